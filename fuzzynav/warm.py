@@ -1,0 +1,28 @@
+"""Compile every numba kernel once, with a progress line: `python -m fuzzynav.warm`.
+
+The compiled code is cached beside the sources, so that no notebook pauses without a word.
+A module takes part by holding a function `_warm()` that calls its kernels on tiny data.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+
+from tqdm import tqdm
+
+MODULES: tuple[str, ...] = ()
+
+
+def main() -> int:
+    """Import and warm each module of MODULES; return 0."""
+    bar = tqdm(MODULES, desc="compiling kernels", unit="module", file=sys.stdout, leave=False, disable=None)
+    for name in bar:
+        bar.set_postfix_str(name.removeprefix("fuzzynav."))
+        importlib.import_module(name)._warm()
+    print(f"kernels ready: {len(MODULES)} modules")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
