@@ -1,0 +1,64 @@
+# The verbs of the course. `make lab` opens it, `make test` checks it; `make help` lists the rest.
+PYTHON ?= python3
+RUN := .venv/bin/python
+SOURCES := $(shell find fuzzynav -name '*.py')
+WORKERS ?= 2
+
+.PHONY: help lab test reproduce bench handout grade reset wheels notebooks clean
+
+help:
+	@echo "make lab             open the course in JupyterLab"
+	@echo "make test            run every test and every notebook"
+	@echo "make reproduce       run the long studies, then print published against reproduced"
+	@echo "make bench           measure speed against other programs"
+	@echo "make handout         students' edition, without solutions, in handout/"
+	@echo "make grade IN=folder grade folder/STUDENT/*.ipynb into grades.csv"
+	@echo "make reset NB=03     restore one notebook, keeping a backup"
+	@echo "make wheels          download all packages for seats without a network"
+	@echo "make notebooks NB=03 run notebooks and store their results"
+	@echo "make clean           remove what the other verbs made"
+
+lab: .venv/kernels
+	@echo "opening JupyterLab; stop it with Ctrl-C twice"
+	@.venv/bin/jupyter lab notebooks/00_start_here.ipynb
+
+test:
+	@$(PYTHON) fuzzynav/environment.py --test
+	@$(MAKE) --no-print-directory .venv/kernels
+	@echo "running the tests and every notebook"
+	@$(RUN) -m pytest -q -rs -n $(WORKERS) --dist loadfile --nbval tests fuzzynav notebooks
+
+# the compiled kernels are cached beside the sources; anew only when a source changed
+.venv/kernels: pyproject.toml constraints.txt $(SOURCES)
+	@$(PYTHON) fuzzynav/environment.py
+	@$(RUN) -m fuzzynav.warm
+	@touch $@
+
+reproduce: .venv/kernels
+	@$(RUN) -m fuzzynav.experiments
+	@$(RUN) -m fuzzynav.published
+
+bench:
+	@$(PYTHON) fuzzynav/environment.py --bench
+	@$(RUN) -m tests.bench
+
+handout: .venv/kernels
+	@$(RUN) -m fuzzynav.course handout
+
+grade: .venv/kernels
+	@test -n "$(IN)" || { echo "fuzzynav: say which folder holds the students' folders: make grade IN=folder"; exit 2; }
+	@$(RUN) -m fuzzynav.course grade "$(IN)"
+
+reset: .venv/kernels
+	@test -n "$(NB)" || { echo "fuzzynav: say which notebook: make reset NB=03"; exit 2; }
+	@$(RUN) -m fuzzynav.course reset "$(NB)"
+
+wheels:
+	@$(PYTHON) fuzzynav/environment.py --download
+
+notebooks: .venv/kernels
+	@$(RUN) tests/notebooks/store.py notebooks/$(NB)*.ipynb
+
+clean:
+	rm -rf .venv build handout .pytest_cache .mypy_cache .ruff_cache .hypothesis *.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
