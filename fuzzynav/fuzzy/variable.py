@@ -1,0 +1,175 @@
+"""Linguistic variables and rule blocks: the data base and the rule base of a fuzzy system."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzynav.fuzzy.membership import POLYGONAL, Term, check_name
+from fuzzynav.fuzzy.operators import CONORMS, NORMS
+from fuzzynav.fuzzy.rules import Rule
+from fuzzynav.geometry import Array
+
+__all__ = ["DEFUZZIFIERS", "QUADRATURES", "RuleBlock", "Variable", "WEIGHTED"]
+
+DEFUZZIFIERS = (
+    "centroid", "bisector", "mean of maximum", "smallest of maximum", "largest of maximum",
+    "weighted average", "weighted sum",
+)  # fmt: skip
+"""Ways from a fuzzy output to a number; the order is the code in the compiled kernels."""
+
+WEIGHTED = frozenset({"weighted average", "weighted sum"})
+"""The defuzzifiers of Takagi-Sugeno systems: no sampling, one number for each rule."""
+
+QUADRATURES = ("trapezoid", "midpoint", "sum", "exact")
+"""How the integrals of the centroid are taken from the samples."""
+
+MONOTONE = frozenset({"ramp", "sigmoid", "s", "z", "concave", "arc"})
+"""Shapes that a weighted defuzzifier may invert (Tsukamoto): the x at which the membership equals the strength."""
+
+
+def _one_of(value: str, known: tuple[str, ...] | dict[str, object], what: str) -> None:
+    if value not in known:
+        raise ValueError(f"{what}: got {value!r}; known: {', '.join(known)}")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """A linguistic variable: a name, a range [low, high] in `unit`, and its terms.
+
+    The fields from `aggregation` on matter for outputs only. `aggregation` None becomes "max", or "sum" with a weighted
+    defuzzifier. `resolution` is the number of samples of the range: both ends included ("trapezoid", "sum") or the
+    middles of as many equal cells ("midpoint"). `default` is the answer where no rule fires. `lock_range` clips an
+    input, or the answer of an output, to the range. `lock_previous` lets an output keep the value that the call was
+    given as `previous` where no rule fires.
+
+    Raises ValueError with the name of the variable and of the field at fault.
+    """
+
+    name: str
+    low: float
+    high: float
+    terms: tuple[Term, ...]
+    unit: str = ""
+    lock_range: bool = False
+    aggregation: str | None = None
+    defuzzifier: str = "centroid"
+    resolution: int = 101
+    quadrature: str = "trapezoid"
+    default: float = math.nan
+    lock_previous: bool = False
+
+    def __post_init__(self) -> None:
+        check_name(self.name, "variable")
+        here = f"variable {self.name!r}"
+        object.__setattr__(self, "terms", tuple(self.terms))
+        object.__setattr__(self, "low", float(self.low))
+        object.__setattr__(self, "high", float(self.high))
+        object.__setattr__(self, "default", math.nan if math.isnan(self.default) else float(self.default))
+        _one_of(self.defuzzifier, DEFUZZIFIERS, f"{here}, defuzzifier")
+        if self.aggregation is None:
+            object.__setattr__(self, "aggregation", "sum" if self.defuzzifier in WEIGHTED else "max")
+        _one_of(str(self.aggregation), CONORMS, f"{here}, aggregation")  # type: ignore[arg-type]
+        _one_of(self.quadrature, QUADRATURES, f"{here}, quadrature")
+        if not self.low < self.high:
+            raise ValueError(f"{here}: the range must have low < high, got {self.low:g} to {self.high:g}")
+        names = [term.name for term in self.terms]
+        if len(set(names)) < len(names):
+            raise ValueError(f"{here}: two terms have one name: {', '.join(names)}")
+        if isinstance(self.resolution, bool) or int(self.resolution) != self.resolution or self.resolution < 2:
+            raise ValueError(f"{here}: resolution must be a whole number of at least 2, got {self.resolution}")
+
+    def term(self, name: str) -> Term:
+        """The term of that name. Raises ValueError that lists the known ones."""
+        for term in self.terms:
+            if term.name == name:
+                return term
+        raise ValueError(f"variable {self.name!r} has no term {name!r}; it has {', '.join(t.name for t in self.terms)}")
+
+    def fuzzify(self, x: ArrayLike) -> Array:
+        """Membership of the values x (...) in each term: (..., n_terms). nan stays nan.
+
+        >>> from fuzzynav.fuzzy.membership import Term
+        >>> near = Term(name="Near", shape="triangle", parameters=(0, 0, 4))
+        >>> Variable(name="Distance", low=0, high=4, terms=(near,), unit="m").fuzzify(1.0).tolist()
+        [0.75]
+        """
+        values = np.asarray(x, dtype=float)
+        if self.lock_range:
+            values = np.clip(values, self.low, self.high)
+        return np.stack([term.membership(values) for term in self.terms], axis=-1)
+
+    def samples(self) -> Array:
+        """The points (resolution,) at which an output is sampled."""
+        n = int(self.resolution)
+        if self.quadrature == "midpoint":
+            return self.low + (np.arange(n) + 0.5) * (self.high - self.low) / n
+        return np.linspace(self.low, self.high, n)
+
+    def check_output(self) -> None:
+        """Raise ValueError if the terms do not fit the defuzzifier or vanish between the samples."""
+        here = f"output {self.name!r}"
+        if not (math.isfinite(self.low) and math.isfinite(self.high)) and self.defuzzifier not in WEIGHTED:
+            raise ValueError(f"{here}: {self.defuzzifier} needs a finite range, got {self.low:g} to {self.high:g}")
+        if self.quadrature == "exact" and self.defuzzifier not in WEIGHTED:
+            self._check_exact(here)
+        for term in self.terms:
+            if self.defuzzifier in WEIGHTED:
+                if term.shape not in MONOTONE | {"constant", "linear", "singleton"}:
+                    raise ValueError(
+                        f"{here}: {self.defuzzifier} cannot use term {term.name!r} ({term.shape}); it takes constant, "
+                        f"linear, singleton, or a shape that only rises or falls: {', '.join(sorted(MONOTONE))}"
+                    )
+            elif term.shape in ("linear", "singleton"):
+                raise ValueError(f"{here}: term {term.name!r} ({term.shape}) has no area; use weighted average or sum")
+            elif self.quadrature != "exact":
+                self._check_sampled(here, term)
+
+    def _check_exact(self, here: str) -> None:
+        if self.defuzzifier != "centroid" or self.aggregation not in ("max", "sum"):
+            raise ValueError(f"{here}: quadrature 'exact' is for the centroid with aggregation max or sum")
+        for term in self.terms:
+            if term.shape not in POLYGONAL:
+                raise ValueError(
+                    f"{here}: quadrature 'exact' needs terms of straight lines; {term.name!r} is {term.shape}: "
+                    "choose trapezoid"
+                )
+
+    def _check_sampled(self, here: str, term: Term) -> None:
+        finite = [v for v in term.parameters if self.low <= v <= self.high]
+        fine = np.concatenate([np.linspace(self.low, self.high, 10 * int(self.resolution)), finite])
+        if not (term.membership(self.samples()) > 0.0).any() and (term.membership(fine) > 0.0).any():
+            raise ValueError(
+                f"{here}: term {term.name!r} lies between two samples and would vanish; raise resolution "
+                f"above {self.resolution}"
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleBlock:
+    """Rules that share their operators. Raises ValueError for an empty block or an unknown operator."""
+
+    rules: tuple[Rule, ...]
+    name: str = ""
+    conjunction: str = "min"
+    disjunction: str = "max"
+    implication: str = "min"
+    activation: str = "general"
+
+    def __post_init__(self) -> None:
+        here = f"rule block {self.name!r}"
+        rules = tuple(Rule.parse(rule) if isinstance(rule, str) else rule for rule in self.rules)
+        object.__setattr__(self, "rules", rules)
+        if not rules:
+            raise ValueError(f"{here} has no rules: a fuzzy system needs at least one")
+        for rule in rules:
+            if not isinstance(rule, Rule):
+                raise ValueError(f"{here}: expected Rule objects or rule texts, got {rule!r}")
+        _one_of(self.conjunction, NORMS, f"{here}, conjunction")  # type: ignore[arg-type]
+        _one_of(self.disjunction, CONORMS, f"{here}, disjunction")  # type: ignore[arg-type]
+        _one_of(self.implication, NORMS, f"{here}, implication")  # type: ignore[arg-type]
+        if self.activation != "general":
+            raise ValueError(f"{here}: activation {self.activation!r} is not supported; use general")
