@@ -1,0 +1,6 @@
+"""The live parts of the course: pictures that follow sliders, players, and painting."""
+
+from fuzzynav.lab.controls import Choice, Slider
+from fuzzynav.lab.panel import Panel, Player
+
+__all__ = ["Choice", "Panel", "Player", "Slider"]

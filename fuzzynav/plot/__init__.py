@@ -1,0 +1,4 @@
+"""Every picture of the course; one module for each topic, all reached as `plot.<name>`."""
+
+from fuzzynav.plot.base import *
+from fuzzynav.plot.blit import *

@@ -1,0 +1,79 @@
+"""Fast redrawing: only what changed is drawn, onto a kept picture of what did not."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from PIL import Image
+
+from fuzzynav.plot.base import DPI, style
+
+__all__ = ["Blit"]
+
+
+class Blit:
+    """A figure of its own, outside pyplot, that gives PNG pictures of its changing artists.
+
+    `size` is width and height [inch]. Artists handed to `png` are drawn over the kept background
+    in the order of their zorder; an artist once handed over and now left out is not drawn.
+    """
+
+    def __init__(self, size: tuple[float, float] = (7.0, 4.0), dpi: int = DPI) -> None:
+        style()
+        self.figure = Figure(figsize=size, dpi=dpi, layout="constrained")
+        self._canvas = FigureCanvasAgg(self.figure)
+        self._background: object | None = None
+        self._painted: set[int] = set()  # artists that are part of the background
+
+    @property
+    def width(self) -> int:
+        """Width of the picture in pixels."""
+        return int(self._canvas.get_width_height()[0])
+
+    def forget(self) -> None:
+        """Draw the background anew at the next picture."""
+        self._background = None
+
+    def png(self, artists: Iterable[Artist] | None, level: int = 1) -> bytes:
+        """The picture as PNG bytes; `artists` None means that all of the figure may have changed."""
+        if artists is None:
+            self._background = None
+            self._canvas.draw()
+        else:
+            self._draw(sorted(artists, key=lambda a: a.get_zorder()))
+        return encode(np.asarray(self._canvas.buffer_rgba()), level)
+
+    def _draw(self, artists: list[Artist]) -> None:
+        fresh = [artist for artist in artists if not artist.get_animated()]
+        for artist in fresh:
+            artist.set_animated(True)
+        if self._background is None or any(id(artist) in self._painted for artist in fresh):
+            self._paint_background()
+        self._canvas.restore_region(self._background)
+        renderer = self._canvas.get_renderer()
+        for artist in artists:
+            if artist.figure is None:
+                continue
+            if hasattr(artist, "do_3d_projection"):
+                artist.do_3d_projection()
+            artist.draw(renderer)
+
+
+    def _paint_background(self) -> None:
+        self._canvas.draw()
+        if self.figure.get_layout_engine() is not None:
+            self.figure.set_layout_engine("none")
+        self._background = self._canvas.copy_from_bbox(self.figure.bbox)
+        self._painted = {id(artist) for artist in self.figure.findobj() if not artist.get_animated()}
+
+
+def encode(rgba: np.ndarray, level: int) -> bytes:
+    """PNG bytes of an `(rows, cols, 4)` picture; level 1 is quick, 9 is small."""
+    buffer = io.BytesIO()
+    Image.fromarray(rgba[..., :3]).save(buffer, format="png", compress_level=level)
+    return buffer.getvalue()
