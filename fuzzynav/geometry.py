@@ -17,7 +17,7 @@ __all__ = [
 
 
 def wrap(angle: ArrayLike) -> Array:
-    """Angle [rad] brought to [-pi, pi), of any shape.
+    """Angle [rad] brought to [-pi, pi), of any shape; nan stays nan.
 
     >>> float(np.round(wrap(4.0), 4))
     -2.2832
@@ -67,8 +67,14 @@ def to_body(pose: ArrayLike, points_world: ArrayLike) -> Array:
 
 
 def cumulative_length(points: ArrayLike) -> Array:
-    """Arc length [m] from the first point to each point of a polyline `(n, 2)`; shape `(n,)`."""
-    steps = np.diff(np.asarray(points, dtype=float)[:, :2], axis=0)
+    """Arc length [m] from the first point to each point of a polyline `(n, 2)`; shape `(n,)`.
+
+    Columns after the second are not read. Raises ValueError if there is no point.
+    """
+    pts = np.asarray(points, dtype=float)
+    if pts.ndim != 2 or pts.shape[0] < 1 or pts.shape[1] < 2:
+        raise ValueError(f"a polyline is an (n, 2) array with n >= 1, got shape {pts.shape}")
+    steps = np.diff(pts[:, :2], axis=0)
     return np.concatenate([[0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1]))])
 
 
@@ -86,8 +92,8 @@ def resample(points: ArrayLike, spacing: float) -> Array:
 
     Raises ValueError if spacing is not positive.
     """
-    if not spacing > 0:
-        raise ValueError(f"spacing must be positive, got {spacing}")
+    if not (np.isfinite(spacing) and spacing > 0):
+        raise ValueError(f"spacing must be positive and finite, got {spacing}")
     pts = np.asarray(points, dtype=float)[:, :2]
     s = cumulative_length(pts)
     stations = np.linspace(0.0, s[-1], max(int(np.ceil(s[-1] / spacing)), 1) + 1)
@@ -97,12 +103,15 @@ def resample(points: ArrayLike, spacing: float) -> Array:
 def curvature(velocity: ArrayLike, acceleration: ArrayLike) -> Array:
     """Signed curvature [1/m] of a plane curve from its first and second derivative `(..., 2)`.
 
+    Counter-clockwise is positive; nan where the first derivative vanishes.
+
     >>> float(curvature([0.0, 2.0], [-2.0, 0.0]))      # circle of radius 2, counter-clockwise
     0.5
     """
     d1, d2 = np.asarray(velocity, dtype=float), np.asarray(acceleration, dtype=float)
     cross = d1[..., 0] * d2[..., 1] - d1[..., 1] * d2[..., 0]
-    return cross / np.hypot(d1[..., 0], d1[..., 1]) ** 3
+    speed = np.hypot(d1[..., 0], d1[..., 1])
+    return cross / np.where(speed > 0.0, speed, np.nan) ** 3
 
 
 def point_segment_distance(points: ArrayLike, start: ArrayLike, end: ArrayLike) -> Array:
