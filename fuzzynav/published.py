@@ -1,0 +1,328 @@
+"""The ledger: what the documents printed, what this package measures, and the verdict.
+
+Verdict of a claim, first rule that fits:
+1. a verdict set by hand with its reason ('contradicts itself', 'not testable');
+2. 'reproduced': the texts are equal, the truth values are equal, the number lies within the
+   stated tolerance of the printed one (plus 1e-9), or fulfils a printed bound such as '> 90';
+3. 'direction holds': the reproduction's own test of the tendency says so, or the claim is a
+   percentage and ours has the same sign;
+4. 'not reproduced'; 'not yet' where no reproduction exists.
+Run `python -m fuzzynav.published` to print all of it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import importlib
+import json
+import math
+import pkgutil
+import re
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import astuple, dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import TypeVar
+
+import pandas as pd
+
+import fuzzynav.experiments
+from fuzzynav.experiments.reproduction import VERDICTS, Measured, Reproduction, Verdict
+
+__all__ = [
+    "Claim", "Item", "Row", "Table", "claim", "claims", "item", "items", "ledger", "reproduced_items",
+    "reproductions", "table", "verdict",
+]
+
+Entry = TypeVar("Entry")
+
+
+@dataclass(frozen=True, slots=True)
+class Claim:
+    """One printed number or statement; `value` is a float, a bool or the printed text."""
+
+    id: str
+    source_item: str
+    environment: str
+    method: str
+    quantity: str
+    unit: str
+    printed: str
+    better: str
+    note: str
+
+    @property
+    def value(self) -> float | bool | str:
+        """The printed value; fractions of pi are numbers."""
+        return parse(self.printed)
+
+    @property
+    def decimals(self) -> int:
+        """Number of printed decimals."""
+        return len(self.printed.partition(".")[2]) if isinstance(self.value, float) else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One figure, table or equation of a document."""
+
+    id: str
+    source: str
+    kind: str
+    chapter: str
+    meaning: str
+    reproducible: str
+    topic: str
+    note: str
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of the ledger, in words."""
+
+    claim: str
+    source: str
+    quantity: str
+    setting: str
+    unit: str
+    published: str
+    ours: str
+    verdict: str
+    why: str
+    chapter: str
+
+
+class Table(pd.DataFrame):
+    """A DataFrame that shows its texts in full."""
+
+    @property
+    def _constructor(self) -> type[Table]:
+        return Table
+
+    def __repr__(self) -> str:
+        with pd.option_context("display.max_colwidth", 60, "display.width", 140, "display.max_rows", None):
+            return super().__repr__()
+
+    def _repr_html_(self) -> str | None:
+        with pd.option_context("display.max_colwidth", None, "display.max_rows", None):
+            return super()._repr_html_()
+
+
+def parse(text: str) -> float | bool | str:
+    """The printed text as a number or a truth value where it is one.
+
+    >>> parse("24.73"), parse("true"), parse("High"), round(parse("pi/4"), 4)
+    (24.73, True, 'High', 0.7854)
+    """
+    if text in ("true", "false"):
+        return text == "true"
+    match = re.fullmatch(r"(-?)pi(?:/(\d+))?", text)
+    if match:
+        return (-1.0 if match[1] else 1.0) * math.pi / int(match[2] or 1)
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+@cache
+def folder() -> Path:
+    """The folder of published values; raises FileNotFoundError if the course's data is not here."""
+    here = Path.cwd().resolve()
+    for root in (Path(__file__).resolve().parents[1], here, *here.parents):
+        if (root / "data" / "published" / "claims.csv").is_file():
+            return root / "data" / "published"
+    raise FileNotFoundError(f"data/published/claims.csv was not found beside the package or above {here}")
+
+
+@cache
+def claims() -> dict[str, Claim]:
+    """Every claim by id, in file order."""
+    return {row[0]: Claim(*row) for row in _rows("claims.csv", len(fields(Claim)))}
+
+
+@cache
+def items() -> dict[str, Item]:
+    """Every figure, table and equation by id, in file order."""
+    return {row[0]: Item(*row) for row in _rows("items.csv", len(fields(Item)))}
+
+
+def claim(claim_id: str) -> Claim:
+    """One claim; raises ValueError for an unknown id.
+
+    >>> claim("thesis:c-3.4-S1-TA-len").value
+    24.73
+    """
+    return _known(claims(), claim_id, "claim")
+
+
+def item(item_id: str) -> Item:
+    """One figure, table or equation; raises ValueError for an unknown id."""
+    return _known(items(), item_id, "item")
+
+
+def reproductions() -> dict[str, tuple[Reproduction, ...]]:
+    """The reproductions of each chapter present in `fuzzynav.experiments`, by chapter name ('3', '5a')."""
+    names = [m.name for m in pkgutil.iter_modules(fuzzynav.experiments.__path__)]
+    chapters = sorted((n.removeprefix("chapter_") for n in names if n.startswith("chapter_")), key=_chapter_order)
+    return {_plain(n): importlib.import_module(f"fuzzynav.experiments.chapter_{n}").REPRODUCTIONS for n in chapters}
+
+
+def verdict(published: Claim, ours: Measured, reproduction: Reproduction) -> Verdict:
+    """The verdict on our value by the rules above."""
+    if reproduction.verdict is not None:
+        return reproduction.verdict
+    if _agrees(published.value, ours, reproduction.tolerance):
+        return "reproduced"
+    if reproduction.direction is not None:
+        return "direction holds" if reproduction.direction() else "not reproduced"
+    same_sign = _is_number(ours) and _is_number(published.value) and float(ours) * float(published.value) > 0
+    return "direction holds" if published.unit == "%" and same_sign else "not reproduced"
+
+
+def table(chapter: int | str) -> Table:
+    """Published against reproduced for one chapter; raises ValueError if it has no reproductions."""
+    known = reproductions()
+    name = _plain(str(chapter))
+    if name not in known:
+        raise ValueError(f"chapter {chapter} has no reproductions; there are: {', '.join(known) or 'none yet'}")
+    rows = [_row(r, name) for r in known[name]]
+    shown = ["claim", "quantity", "setting", "unit", "published", "ours", "verdict", "why"]
+    return Table([[getattr(row, key) for key in shown] for row in rows], columns=shown).set_index("claim")
+
+
+def ledger() -> list[Row]:
+    """One row for each claim of the documents, in file order."""
+    made = {r.claim: (r, chapter) for chapter, group in reproductions().items() for r in group}
+    for claim_id in made:
+        claim(claim_id)
+    return [_row(*made[c.id]) if c.id in made else _open_row(c) for c in claims().values()]
+
+
+def reproduced_items() -> dict[str, list[str]]:
+    """The notebooks that reproduce each item, found by the cell tags `item:<id>`."""
+    found: dict[str, list[str]] = {}
+    for path in sorted((folder().parents[1] / "notebooks").glob("*.ipynb")):
+        for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+            for tag in cell["metadata"].get("tags", []):
+                if tag.startswith("item:") and path.stem not in found.setdefault(tag[5:], []):
+                    found[tag[5:]].append(path.stem)
+    return found
+
+
+def _rows(name: str, width: int) -> list[list[str]]:
+    path = folder() / name
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = [row for row in csv.reader(stream) if row][1:]
+    for number, row in enumerate(rows, start=2):
+        if len(row) != width:
+            raise ValueError(f"data/published/{name}, row {number}: {width} fields are needed, found {len(row)}")
+    return rows
+
+
+def _known(table_: Mapping[str, Entry], key: str, what: str) -> Entry:
+    if key not in table_:
+        stem = key.split("-")[0]
+        near = [k for k in table_ if k.startswith(stem)][:3]
+        raise ValueError(f"there is no published {what} '{key}'; near it: {', '.join(near) or 'nothing'}")
+    return table_[key]
+
+
+def _plain(chapter: str) -> str:
+    return chapter.lstrip("0") or "0"
+
+
+def _chapter_order(name: str) -> tuple[int, str]:
+    digits = re.match(r"\d*", name)
+    return int(digits[0] or 99) if digits else 99, name
+
+
+def _is_number(value: object) -> bool:
+    return not isinstance(value, (bool, str))
+
+
+def _agrees(published: float | bool | str, ours: Measured, tolerance: float) -> bool:
+    if isinstance(published, bool) or isinstance(ours, (bool, str)):
+        return type(published) is type(ours) and published == ours
+    if isinstance(published, float):
+        return bool(abs(float(ours) - published) <= tolerance + 1e-9)
+    bound = re.fullmatch(r"([<>])\s*([\d.]+)", published)
+    if bound is None:
+        return False
+    return float(ours) > float(bound[2]) if bound[1] == ">" else float(ours) < float(bound[2])
+
+
+def _row(reproduction: Reproduction, chapter: str) -> Row:
+    c = claim(reproduction.claim)
+    ours = reproduction.measure() if reproduction.measure is not None else ""
+    ours = getattr(ours, "item", lambda: ours)()  # numpy's own scalars
+    decision = verdict(c, ours, reproduction)
+    why = "; ".join(part for part in (reproduction.because, reproduction.ours) if part)
+    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, _words(ours, c), decision, why, chapter)
+
+
+def _open_row(c: Claim) -> Row:
+    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, "", "not yet", "", "")
+
+
+def _setting(c: Claim) -> str:
+    return ", ".join(part for part in (c.method, c.environment) if part not in ("", "-"))
+
+
+def _words(ours: Measured, c: Claim) -> str:
+    if isinstance(ours, str):
+        return ours
+    if isinstance(ours, bool):
+        return "true" if ours else "false"
+    digits = f"{round(float(ours), c.decimals + 1) + 0.0:.{c.decimals + 1}f}"
+    return digits.rstrip("0").removesuffix(".")
+
+
+def _print_ledger(rows: Sequence[Row]) -> None:
+    heading = ""
+    for row in rows:
+        document, _, name = row.source.partition(":")
+        place = re.search(r"\d|[A-Z]+", name)
+        now = f"{document}, chapter {place[0]}" if document == "thesis" and place else document
+        if now != heading:
+            heading = now
+            print(f"\n{heading}\n{'-' * len(heading)}")
+        unit = "" if row.unit in ("-", "flag", "grade", "qualitative") else f" {row.unit}"
+        print(f"{row.claim}  {row.quantity} ({row.setting or 'all'})")
+        print(f"    published {row.published}{unit}; ours {row.ours or '-'}; {row.verdict}")
+
+
+def _print_items() -> None:
+    done = reproduced_items()
+    missing = [i for i in items().values() if i.id not in done and i.reproducible != "no"]
+    impossible = sum(i.reproducible == "no" for i in items().values())
+    print(f"\nfigures, tables and equations: {len(done)} in notebooks, {len(missing)} not yet, "
+          f"{impossible} cannot be (photographs and the like)")
+    for topic in dict.fromkeys(i.topic for i in missing):
+        names = [i.id for i in missing if i.topic == topic]
+        print(f"  {topic} ({len(names)}): {', '.join(names)}")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Print the ledger, the counts and what no notebook shows yet; `--csv FILE` also writes the rows."""
+    parser = argparse.ArgumentParser(prog="python -m fuzzynav.published", description="published against reproduced")
+    parser.add_argument("--csv", type=Path, metavar="FILE", help="also write the rows to this file")
+    options = parser.parse_args(arguments)
+    rows = ledger()
+    _print_ledger(rows)
+    counts = Counter(row.verdict for row in rows)
+    print(f"\n{len(rows)} claims: " + ", ".join(f"{counts[v]} {v}" for v in VERDICTS if counts[v]))
+    _print_items()
+    if options.csv is not None:
+        with options.csv.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream)
+            writer.writerow([f.name for f in fields(Row)])
+            writer.writerows(astuple(row) for row in rows)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
