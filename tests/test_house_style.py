@@ -27,7 +27,8 @@ ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 TOPIC = {
     "gridkernels": "mapfiles", "logs": "mapping", "posegraph": "mapping", "particles": "localization",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
-    "dfl": "tracking", "rivals": "tracking", "mpc": "tracking", "observers": "tracking",
+    "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
+    "mpc": "tracking", "observers": "tracking", "loop": "tracking",
     "dwa_kernels": "dwa", "fuzzy_dwa": "dwa", "avoidance": "fusion",
 }
 # these catch what a reader's own code may raise, and turn it into a sentence
