@@ -123,7 +123,7 @@ def _exercise(exercise_id: str) -> Exercise:
 def _source(thing: Any) -> str:
     plain: Callable[..., Any] | type = getattr(thing, "py_func", thing)
     plain = plain.fget if isinstance(plain, property) else inspect.unwrap(plain) if callable(plain) else plain
-    if not (inspect.isroutine(plain) or inspect.isclass(plain) or inspect.ismodule(plain)):
+    if not (inspect.isfunction(plain) or inspect.ismethod(plain) or inspect.isclass(plain) or inspect.ismodule(plain)):
         raise ValueError(f"only functions, classes and modules have a source to show, not a {type(thing).__name__}")
     return textwrap.dedent(inspect.getsource(plain)).rstrip()
 
@@ -131,5 +131,5 @@ def _source(thing: Any) -> str:
 def _title(thing: Any) -> str:
     if inspect.ismodule(thing):
         return thing.__name__
-    plain = thing.fget if isinstance(thing, property) else thing
+    plain: Any = thing.fget if isinstance(thing, property) else thing
     return f"{plain.__module__}.{plain.__qualname__}"

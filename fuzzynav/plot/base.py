@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
+from cycler import cycler
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
@@ -48,7 +49,7 @@ def style() -> None:
         "figure.dpi": DPI, "savefig.dpi": "figure", "figure.figsize": (6.4, 3.8), "figure.constrained_layout.use": True,
         "font.size": 10.0, "axes.titlesize": 10.5, "axes.labelsize": 10.0, "xtick.labelsize": 9.0,
         "ytick.labelsize": 9.0, "legend.fontsize": 9.0, "legend.framealpha": 0.9,
-        "axes.prop_cycle": mpl.cycler(color=list(CYCLE)) + mpl.cycler(linestyle=dashes),
+        "axes.prop_cycle": cycler(color=list(CYCLE)) + cycler(linestyle=dashes),
         "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
         "grid.color": "#DDDDDD", "grid.linewidth": 0.6, "lines.linewidth": 1.6, "image.cmap": "cividis",
         "image.interpolation": "nearest",
