@@ -11,7 +11,10 @@ import sys
 
 from tqdm import tqdm
 
-MODULES: tuple[str, ...] = ()
+MODULES: tuple[str, ...] = (
+    "fuzzynav.gridkernels",
+    "fuzzynav.particles",
+)
 
 
 def main() -> int:
