@@ -27,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the studies named, or all of them; 2 for an unknown name."""
     known = {study.name: study for study in studies()}
     parser = argparse.ArgumentParser(prog="python -m fuzzynav.experiments", description="run the long studies")
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"which (default all): {', '.join(known) or 'none yet'}")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"default: all ({', '.join(known) or 'none yet'})")
     asked = parser.parse_args(arguments).names or list(known)
     unknown = [name for name in asked if name not in known]
     if unknown:
