@@ -1,0 +1,84 @@
+"""The generated parts of README: chapters, verdicts of the ledger, measured speed.
+
+`python -m fuzzynav.course.readme` writes them between their markers. The picture of README is made
+by `fuzzynav.plot` and written beside the data.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+import sys
+from collections import Counter
+from pathlib import Path
+
+from fuzzynav.course.chapters import chapters
+from fuzzynav.course.folders import course_root, write_whole
+from fuzzynav.published import ledger
+
+__all__ = ["bench_table", "ledger_table", "rendered"]
+
+SHOWN = ("reproduced", "direction holds", "not reproduced", "contradicts itself", "not testable", "not yet")
+
+
+def ledger_table() -> str:
+    """Markdown: how many claims of each source have each verdict."""
+    counts: dict[str, Counter[str]] = {}
+    for row in ledger():
+        document, _, name = row.source.partition(":")
+        chapter = re.search(r"\d", name) if document == "thesis" else None
+        counts.setdefault(f"thesis, chapter {chapter[0]}" if chapter else document, Counter())[row.verdict] += 1
+    head = "| source | " + " | ".join(SHOWN) + " |\n|---|" + "---:|" * len(SHOWN) + "\n"
+    lines = [f"| {name} | " + " | ".join(str(c[v]) for v in SHOWN) + " |" for name, c in sorted(counts.items())]
+    return head + "\n".join(lines)
+
+
+def bench_table(path: Path) -> str:
+    """Markdown: the last measurement that `make bench` wrote to `path`."""
+    if not path.exists():
+        return "Not measured yet: run `make bench`."
+    with path.open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    head = "| task | unit | ours | peer | | ratio | agreement |\n|---|---|---:|---:|---|---:|---|\n"
+    lines = [
+        f"| {r['task']} | {r['unit']} | {_number(r['ours'])} | {_number(r['peer'])} | {r['peer_name']} "
+        f"| {_number(r['ratio'])} | {r['agreement']} |"
+        for r in rows
+    ]
+    return head + "\n".join(lines)
+
+
+def rendered(readme: str, root: Path) -> str:
+    """README's text with its generated parts made anew; raises ValueError if a marker is missing."""
+    parts = {
+        "chapters": chapters().markdown("notebooks/"),
+        "ledger": ledger_table(),
+        "bench": bench_table(root / "data" / "results" / "bench.csv"),
+    }
+    for name, text in parts.items():
+        pattern = re.compile(rf"(<!-- {name}: generated -->\n).*?(<!-- /{name} -->)", re.S)
+        if not pattern.search(readme):
+            raise ValueError(f"README.md has lost its markers for '{name}'")
+        readme = pattern.sub(lambda m, text=text: f"{m[1]}{text}\n{m[2]}", readme)
+    return readme
+
+
+def _number(text: str) -> str:
+    try:
+        value = float(text)
+    except ValueError:
+        return text or "-"
+    return f"{value:,.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def main() -> int:
+    """Write README.md anew."""
+    root = course_root()
+    path = root / "README.md"
+    write_whole(path, rendered(path.read_text(encoding="utf-8"), root))
+    print("README.md is up to date")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
