@@ -1,6 +1,10 @@
 """The course around the algorithms: sources shown, exercises, hints, solutions, handout and grading."""
 
+from fuzzynav.course.chapters import chapters
 from fuzzynav.course.exercise import Exercise, Outcome, Wrong
-from fuzzynav.course.reader import check, exercises, hint, show, solution
+from fuzzynav.course.reader import check, exercises, hint, items, show, solution
+from fuzzynav.course.readiness import ready
 
-__all__ = ["Exercise", "Outcome", "Wrong", "check", "exercises", "hint", "show", "solution"]
+__all__ = [
+    "Exercise", "Outcome", "Wrong", "chapters", "check", "exercises", "hint", "items", "ready", "show", "solution",
+]

@@ -15,10 +15,11 @@ from typing import Any
 from IPython.display import display
 
 import fuzzynav.course
+from fuzzynav import published
 from fuzzynav.course.exercise import Exercise, Outcome, judge
 from fuzzynav.course.folders import solutions_folder
 
-__all__ = ["GRADE_MIME", "Source", "check", "exercises", "hint", "show", "solution"]
+__all__ = ["GRADE_MIME", "Source", "check", "exercises", "hint", "items", "show", "solution"]
 
 GRADE_MIME = "application/vnd.fuzzynav.grade+json"
 
@@ -93,6 +94,14 @@ def hint(exercise_id: str, number: int = 1) -> Line:
         raise ValueError(f"exercise {exercise_id} has hints 1 to {len(hints)}, not {number}")
     follow = f'next: course.hint("{exercise_id}", {number + 1})' if number < len(hints) else "the last hint"
     return Line(f"Hint {number} of {len(hints)} ({follow}): {hints[number - 1]}")
+
+
+def items(notebook: str) -> published.Table:
+    """The figures, tables and equations that the notebooks whose names begin with `notebook` reproduce."""
+    where = published.reproduced_items()
+    rows = [(i.id, i.kind, i.meaning, i.reproducible) for i in published.items().values()
+            if any(name.startswith(notebook) for name in where.get(i.id, []))]
+    return published.Table(rows, columns=["item", "kind", "meaning", "reproducible"]).set_index("item")
 
 
 def solution(exercise_id: str) -> Source | Line:

@@ -2,3 +2,4 @@
 
 from fuzzynav.plot.base import *
 from fuzzynav.plot.blit import *
+from fuzzynav.plot.start import *
