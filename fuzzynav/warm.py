@@ -13,6 +13,8 @@ from tqdm import tqdm
 
 MODULES: tuple[str, ...] = (
     "fuzzynav.gridkernels",
+    "fuzzynav.laws",
+    "fuzzynav.loop",
     "fuzzynav.particles",
 )
 
