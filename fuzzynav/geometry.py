@@ -22,8 +22,10 @@ def wrap(angle: ArrayLike) -> Array:
     >>> float(np.round(wrap(4.0), 4))
     -2.2832
     """
-    wrapped = (np.asarray(angle, dtype=float) + np.pi) % (2.0 * np.pi) - np.pi
-    return np.where(wrapped >= np.pi, -np.pi, wrapped)
+    a = np.asarray(angle, dtype=float)
+    wrapped = (a + np.pi) % (2.0 * np.pi) - np.pi
+    wrapped = np.where(wrapped >= np.pi, -np.pi, wrapped)
+    return np.where((a >= -np.pi) & (a < np.pi), a, wrapped)  # what is in range keeps its last digit
 
 
 def compose(first: ArrayLike, second: ArrayLike) -> Array:

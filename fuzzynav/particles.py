@@ -228,7 +228,7 @@ def recovery_share(swarm: Swarm) -> float:
 
 
 def resample(swarm: Swarm, grid: GridMap, params: MonteCarlo, rng: Generator) -> Swarm:
-    """The swarm drawn anew where its effective size is too small, with random particles where recovery asks for them."""
+    """The swarm drawn anew where its effective size is too small, with random particles where recovery asks."""
     n, share = len(swarm.poses), recovery_share(swarm)
     fresh = rng.random(n) < share if share > 0 else np.zeros(n, dtype=bool)
     if not fresh.any() and effective_size(swarm.weights) >= params.resample_below * n:

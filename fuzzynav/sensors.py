@@ -84,7 +84,7 @@ class Encoders:
         if self.ticks_per_turn != int(self.ticks_per_turn) or self.ticks_per_turn < 1:
             raise ValueError(f"Encoders.ticks_per_turn must be a whole number of at least 1, got {self.ticks_per_turn}")
         if not all(np.isfinite(e) and e > -1 for e in errors):
-            raise ValueError(f"Encoders: a relative error must be finite and above -1, got {errors}")
+            raise ValueError(f"Encoders: right_radius_error, left_radius_error, track_error must exceed -1: {errors}")
         if not 0 <= self.slip < 1:
             raise ValueError(f"Encoders.slip must lie in [0, 1), got {self.slip}")
         if not (np.isfinite(self.slip_noise) and self.slip_noise >= 0):

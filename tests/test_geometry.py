@@ -24,6 +24,7 @@ def test_wrap_at_the_ends() -> None:
     assert g.wrap(-np.pi - 1e-16) < np.pi
     assert g.wrap(np.nextafter(-np.pi, -4.0)) < np.pi
     assert np.isnan(g.wrap(np.nan))
+    assert g.wrap([0.4, -3.0, 1e-17]).tolist() == [0.4, -3.0, 1e-17]
 
 
 @given(poses, poses, poses)

@@ -127,7 +127,7 @@ def test_ellipse_holds_its_share() -> None:
 # --- extended Kalman filter
 
 
-def kalman_run(seed: int, sensor: loc.LandmarkSensor, told: loc.MotionNoise, steps: int = 60) -> np.ndarray:
+def kalman_run(seed: int, sensor: loc.LandmarkSensor, told: loc.MotionNoise, steps: int = 40) -> np.ndarray:
     """NEES along a run whose true noise is NOISE, filtered with the noise `told`."""
     rng = np.random.default_rng(seed)
     start = loc.Belief(np.zeros(3), np.diag([0.01, 0.01, 0.003]))
@@ -144,11 +144,11 @@ def kalman_run(seed: int, sensor: loc.LandmarkSensor, told: loc.MotionNoise, ste
 
 def test_the_filter_is_honest_with_the_right_noise_and_caught_with_the_wrong() -> None:
     sensor = loc.LandmarkSensor()
-    low, high = loc.nees_bounds(40, 0.999)
-    honest = np.array([kalman_run(k, sensor, NOISE) for k in range(40)]).mean(axis=0)
+    low, high = loc.nees_bounds(30, 0.999)
+    honest = np.array([kalman_run(k, sensor, NOISE) for k in range(30)]).mean(axis=0)
     assert ((honest >= low) & (honest <= high)).mean() > 0.98
     boastful = loc.MotionNoise(travel_per_metre=0, travel_per_radian=0, turn_per_metre=0, turn_per_radian=0)
-    wrong = np.array([kalman_run(k, sensor, boastful) for k in range(40)]).mean(axis=0)
+    wrong = np.array([kalman_run(k, sensor, boastful) for k in range(30)]).mean(axis=0)
     assert (wrong[-20:] > high).all()
 
 
