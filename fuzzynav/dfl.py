@@ -14,10 +14,11 @@ from scipy.linalg import expm
 from scipy.signal import place_poles
 
 from fuzzynav.geometry import Array
-from fuzzynav.laws import DFL, FLATNESS, Tracker
+from fuzzynav.laws import DFL, FLATNESS
 from fuzzynav.observers import Observer
 from fuzzynav.reference import Reference, Sample
 from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.tracker import Tracker
 
 if TYPE_CHECKING:
     from fuzzynav.world import Observation
@@ -152,7 +153,7 @@ class DflGains:
     kd1: float = 0.7  # [1/s]
     kp2: float = 1.0  # [1/s^2] on y
     kd2: float = 0.7  # [1/s]
-    v_min: float = 0.02  # [m/s] least speed to divide by
+    v_min: float = 0.05  # [m/s] least speed to divide by; below it the turn fades to the reference's heading
     rest_radius: float = 0.02  # [m] of a reference at rest: within it the robot stands
     v0: float | None = None  # [m/s] first value of the integrator; None: the speed of the reference
 

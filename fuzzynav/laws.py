@@ -1,26 +1,19 @@
-"""The tracking laws as compiled steps, and the controller object that carries one of them.
+"""The tracking laws and the closed loop as compiled steps.
 
 Every law has the same shape: parameters, state, measured pose and one row of the reference give a command
-and the next state. `dfl`, `rivals` and `lqr` say what each law is; here it only runs.
+and the next state. `dfl`, `rivals` and `lqr` say what each law is; here it only runs. Laws and loop stand in
+one file, so that a change of one compiles all of them anew.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array
-from fuzzynav.observers import Observer
-from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
 
-if TYPE_CHECKING:
-    from fuzzynav.world import Observation
-
-__all__ = ["Tracker", "limits_of"]
+__all__ = ["limits_of"]
 
 DFL, FLATNESS, KANAYAMA, PID, LQR, SLIDING, MPC = range(7)
 STATES = 6  # room that the largest state needs
@@ -76,10 +69,13 @@ def _flat_law(
     else:
         s[0] = _clip(s[0] + dt * zeta, lim[0], 0.0)
     divisor = row[7] if linear else s[0]
-    if abs(divisor) < p[4]:
-        divisor = s[1] * p[4]
     out[0] = s[0]
-    out[1] = (u2 * c - u1 * sn) / divisor
+    if abs(divisor) >= p[4]:
+        out[1] = (u2 * c - u1 * sn) / divisor
+    else:  # near rest the turn fades over to the heading of the reference, which needs no division
+        part = abs(divisor) / p[4]
+        turn = row[8] + 0.5 * (p[1] + p[3]) * _wrap(row[6] - pose[2])
+        out[1] = (u2 * c - u1 * sn) / (s[1] * p[4]) + (1.0 - part) * turn
 
 
 @njit(cache=True)
@@ -175,83 +171,83 @@ def limits_of(robot: Robot) -> Array:
                      robot.acc_lim_x, robot.dec_lim_x, robot.acc_lim_theta])
 
 
-NO_RATES = np.full(2, np.nan)
+@njit(cache=True)
+def _limit(wish: Array, last: Array, lim: Array, dt: float) -> None:
+    """Limits of speed and acceleration as in robot.limit; changes `wish`."""
+    v = last[0]
+    gain, loss, ratio = lim[3] * dt, lim[4] * dt, lim[3] / lim[4]
+    if v >= 0.0:
+        up = v + gain
+    else:
+        up = v + loss if v + loss <= 0.0 else (v + loss) * ratio
+    if v <= 0.0:
+        down = v - gain
+    else:
+        down = v - loss if v - loss >= 0.0 else (v - loss) * ratio
+    wish[0] = min(max(min(max(wish[0], lim[0]), lim[1]), down), up)
+    step = lim[5] * dt
+    wish[1] = min(max(min(max(wish[1], -lim[2]), lim[2]), last[1] - step), last[1] + step)
 
 
-class Tracker:
-    """A controller that follows a reference: `tracker(observation)` is the command, `reset()` forgets the run.
+@njit(cache=True)
+def _drive(
+    pose: Array, wheels: Array, command: Array, slip: Array, body: Array, plant: Array, dt: float, euler: bool,
+    driven: Array,
+) -> None:
+    """One step of the robot: motor lag, slip, wrong radii, exact arc or Euler. Changes pose, wheels, driven.
 
-    The reference is tabulated once at the control step dt [s]; after its end the command is zero. Beneath lies
-    the pure `step(state, pose, row)`. Raises ValueError for a dt that is not positive, and for a reference that
-    jumps, that is not finite, or that never moves.
+    body: wheel radius, track, motor lag; plant: relative radius errors right and left.
     """
-
-    kind: int = -1  # a law of one's own overrides `step` and keeps this
-    observer: Observer | None = None  # estimates derivatives where a law wants them
-
-    def __init__(self, reference: Reference, vector: ArrayLike, robot: Robot = TURTLEBOT2, dt: float = 0.1) -> None:
-        if not (np.isfinite(dt) and dt > 0):
-            raise ValueError(f"dt must be positive and finite, got {dt}")
-        self.reference, self.robot, self.dt = reference, robot, float(dt)
-        self.vector = np.asarray(vector, dtype=float)
-        self.limits = limits_of(robot)
-        self.steps = int(np.floor(reference.duration / dt + 1e-9))
-        self.rows = reference.rows(np.arange(self.steps + 1) * dt)
-        _smooth(self.rows, dt)
-        self.state = self.start()
-
-    def start(self) -> Array:
-        """The state before the first step."""
-        return np.zeros(STATES)
-
-    def reset(self) -> None:
-        """Forget the run before."""
-        self.state = self.start()
-
-    def row(self, t: float) -> Array:
-        """The reference at time t [s] as the laws read it: x, y, dx, dy, ddx, ddy, theta, v, omega."""
-        k = round(t / self.dt)
-        if 0 <= k <= self.steps and abs(t - k * self.dt) < 1e-9:
-            return self.rows[k]
-        return self.reference.rows(np.array([t]))[0]
-
-    def step(self, state: Array, pose: ArrayLike, row: Array, rates: Array = NO_RATES) -> tuple[Array, Array]:
-        """Command (2,) and next state from a state, a pose and a row of the reference; nothing is kept.
-
-        rates: estimated dx/dt, dy/dt [m/s] for the laws that feed them back; nan lets them use their own speed.
-        """
-        s, out = state.copy(), np.zeros(2)
-        _law(self.kind, self.vector, s, np.asarray(pose, dtype=float), rates, row, self.dt, self.limits, out)
-        return out, s
-
-    def __call__(self, observation: Observation) -> Array:
-        """Command (v [m/s], omega [rad/s]) for this observation; raises ValueError for a pose that is not finite."""
-        pose = np.asarray(observation.pose, dtype=float)
-        if not np.isfinite(pose).all():
-            raise ValueError(f"the measured pose is not finite: {pose.tolist()}")
-        if observation.time > self.reference.duration + 1e-9:
-            return np.zeros(2)
-        command, self.state = self.step(self.state, pose, self.row(observation.time))
-        return command
+    half = command[1] * body[1] / 2.0
+    follow = 1.0 if body[2] == 0.0 else 1.0 - np.exp(-dt / body[2])
+    wheels[0] += follow * ((command[0] + half) / body[0] - wheels[0])
+    wheels[1] += follow * ((command[0] - half) / body[0] - wheels[1])
+    right = wheels[0] * body[0] * (1.0 + plant[0]) * (1.0 - slip[0])
+    left = wheels[1] * body[0] * (1.0 + plant[1]) * (1.0 - slip[1])
+    v, turn = (right + left) / 2.0, (right - left) / body[1] * dt
+    driven[0], driven[1] = v, turn / dt
+    if euler:
+        pose[0] += v * dt * np.cos(pose[2])
+        pose[1] += v * dt * np.sin(pose[2])
+    else:
+        chord = v * dt if turn == 0.0 else v * dt * np.sin(turn / 2.0) / (turn / 2.0)
+        pose[0] += chord * np.cos(pose[2] + turn / 2.0)
+        pose[1] += chord * np.sin(pose[2] + turn / 2.0)
+    pose[2] = _wrap(pose[2] + turn)
 
 
-def _smooth(rows: Array, dt: float) -> None:
-    """Raise ValueError for a reference that is not finite, never moves or jumps between two steps."""
-    if not np.isfinite(rows).all():
-        raise ValueError(f"the reference is not finite at t = {dt * np.argwhere(~np.isfinite(rows))[0, 0]:.3g} s")
-    speed = np.abs(rows[:, 7])
-    if not speed.max() > REST:
-        raise ValueError("the reference has zero speed throughout: there is nothing to track")
-    gap = np.hypot(*np.diff(rows[:, :2], axis=0).T)
-    excess = gap - 2.0 * dt * np.maximum(speed[:-1], speed[1:]) - 0.01
-    if len(gap) and excess.max() > 0:
-        k = int(excess.argmax())
-        raise ValueError(f"the reference jumps by {gap[k]:.3g} m at t = {dt * k:.3g} s, where v = {speed[k]:.3g} m/s")
+@njit(cache=True)
+def _run(
+    kind: int, p: Array, rows: Array, start: Array, noise: Array, slip: Array, lag_steps: int, body: Array,
+    plant: Array, lim: Array, dt: float, euler: bool, poses: Array, commands: Array, driven: Array,
+) -> None:
+    """A whole run of one law; fills poses, commands, driven."""
+    s, out, seen, rates = np.zeros(STATES), np.zeros(2), np.empty(3), np.full(2, np.nan)
+    pose, last = start.copy(), rows[0, 7:9].copy()
+    wheels = np.empty(2)
+    wheels[0] = (last[0] + last[1] * body[1] / 2.0) / body[0]
+    wheels[1] = (last[0] - last[1] * body[1] / 2.0) / body[0]
+    first = last.copy()
+    poses[0] = pose
+    for k in range(commands.shape[0]):
+        for i in range(3):
+            seen[i] = pose[i] + noise[k, i]
+        _law(kind, p, s, seen, rates, rows[k], dt, lim, out)
+        _limit(out, last, lim, dt)
+        last[0], last[1] = out[0], out[1]
+        commands[k] = out
+        acting = commands[k - lag_steps] if k >= lag_steps else first
+        _drive(pose, wheels, acting, slip[k], body, plant, dt, euler, driven[k])
+        poses[k + 1] = pose
 
 
 def _warm() -> None:
-    """Compile every law with the types used in practice."""
+    """Compile every law and the loop with the types used in practice."""
     row, lim = np.array([0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]), limits_of(TURTLEBOT2)
     for kind in range(MPC):
         p = np.ones(9)
-        _law(kind, p, np.zeros(STATES), np.zeros(3), NO_RATES, row, 0.1, lim, np.zeros(2))
+        _law(kind, p, np.zeros(STATES), np.zeros(3), np.full(2, np.nan), row, 0.1, lim, np.zeros(2))
+    rows = np.tile(row, (3, 1))
+    noise, slip, body = np.zeros((2, 3)), np.zeros((2, 2)), np.array([0.035, 0.23, 0.0])
+    made = np.empty((3, 3)), np.empty((2, 2)), np.empty((2, 2))
+    _run(KANAYAMA, np.ones(9), rows, np.zeros(3), noise, slip, 0, body, np.zeros(2), lim, 0.1, False, *made)

@@ -10,12 +10,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.laws import MPC, STATES, Tracker, _law, _wrap, limits_of
+from fuzzynav.laws import MPC, _drive, _limit, _run, limits_of
 from fuzzynav.robot import TURTLEBOT2, Robot, wheel_speeds
+from fuzzynav.tracker import Tracker
 
 __all__ = ["IDEAL", "Disturbance", "Trace", "follow"]
 
@@ -112,76 +112,6 @@ class Trace:
         return float(np.sqrt((rates**2).mean()))
 
 
-@njit(cache=True)
-def _limit(wish: Array, last: Array, lim: Array, dt: float) -> None:
-    """Limits of speed and acceleration as in robot.limit; changes `wish`."""
-    v = last[0]
-    gain, loss, ratio = lim[3] * dt, lim[4] * dt, lim[3] / lim[4]
-    if v >= 0.0:
-        up = v + gain
-    else:
-        up = v + loss if v + loss <= 0.0 else (v + loss) * ratio
-    if v <= 0.0:
-        down = v - gain
-    else:
-        down = v - loss if v - loss >= 0.0 else (v - loss) * ratio
-    wish[0] = min(max(min(max(wish[0], lim[0]), lim[1]), down), up)
-    step = lim[5] * dt
-    wish[1] = min(max(min(max(wish[1], -lim[2]), lim[2]), last[1] - step), last[1] + step)
-
-
-@njit(cache=True)
-def _drive(
-    pose: Array, wheels: Array, command: Array, slip: Array, body: Array, plant: Array, dt: float, euler: bool,
-    driven: Array,
-) -> None:
-    """One step of the robot: motor lag, slip, wrong radii, exact arc or Euler. Changes pose, wheels, driven.
-
-    body: wheel radius, track, motor lag; plant: relative radius errors right and left.
-    """
-    half = command[1] * body[1] / 2.0
-    follow = 1.0 if body[2] == 0.0 else 1.0 - np.exp(-dt / body[2])
-    wheels[0] += follow * ((command[0] + half) / body[0] - wheels[0])
-    wheels[1] += follow * ((command[0] - half) / body[0] - wheels[1])
-    right = wheels[0] * body[0] * (1.0 + plant[0]) * (1.0 - slip[0])
-    left = wheels[1] * body[0] * (1.0 + plant[1]) * (1.0 - slip[1])
-    v, turn = (right + left) / 2.0, (right - left) / body[1] * dt
-    driven[0], driven[1] = v, turn / dt
-    if euler:
-        pose[0] += v * dt * np.cos(pose[2])
-        pose[1] += v * dt * np.sin(pose[2])
-    else:
-        chord = v * dt if turn == 0.0 else v * dt * np.sin(turn / 2.0) / (turn / 2.0)
-        pose[0] += chord * np.cos(pose[2] + turn / 2.0)
-        pose[1] += chord * np.sin(pose[2] + turn / 2.0)
-    pose[2] = _wrap(pose[2] + turn)
-
-
-@njit(cache=True)
-def _run(
-    kind: int, p: Array, rows: Array, start: Array, noise: Array, slip: Array, lag_steps: int, body: Array,
-    plant: Array, lim: Array, dt: float, euler: bool, poses: Array, commands: Array, driven: Array,
-) -> None:
-    """A whole run of one law; fills poses, commands, driven."""
-    s, out, seen, rates = np.zeros(STATES), np.zeros(2), np.empty(3), np.full(2, np.nan)
-    pose, last = start.copy(), rows[0, 7:9].copy()
-    wheels = np.empty(2)
-    wheels[0] = (last[0] + last[1] * body[1] / 2.0) / body[0]
-    wheels[1] = (last[0] - last[1] * body[1] / 2.0) / body[0]
-    first = last.copy()
-    poses[0] = pose
-    for k in range(commands.shape[0]):
-        for i in range(3):
-            seen[i] = pose[i] + noise[k, i]
-        _law(kind, p, s, seen, rates, rows[k], dt, lim, out)
-        _limit(out, last, lim, dt)
-        last[0], last[1] = out[0], out[1]
-        commands[k] = out
-        acting = commands[k - lag_steps] if k >= lag_steps else first
-        _drive(pose, wheels, acting, slip[k], body, plant, dt, euler, driven[k])
-        poses[k + 1] = pose
-
-
 def follow(
     tracker: Tracker,
     start: ArrayLike | None = None,
@@ -239,12 +169,3 @@ def _run_in_python(
         commands[k] = wish
         _drive(pose, wheels, commands[k - late] if k >= late else first, slip[k], body, plant, dt, euler, driven[k])
         poses[k + 1] = pose
-
-
-def _warm() -> None:
-    """Compile the loop with the types used in practice."""
-    rows = np.tile(np.array([0.0, 0.0, 0.1, 0.0, 0.0, 0.0, 0.0, 0.1, 0.0]), (3, 1))
-    noise, slip, body = np.zeros((2, 3)), np.zeros((2, 2)), np.array([0.035, 0.23, 0.0])
-    lim, made = limits_of(TURTLEBOT2), (np.empty((3, 3)), np.empty((2, 2)), np.empty((2, 2)))
-    for late in (0, 1):
-        _run(2, np.ones(9), rows, np.zeros(3), noise, slip, late, body, np.zeros(2), lim, 0.1, False, *made)

@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from fuzzynav.geometry import Array
-from fuzzynav.laws import LQR, Tracker
+from fuzzynav.laws import LQR
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.tracker import Tracker
 
 __all__ = ["Lqr", "Weights", "bellman_residual", "error_model", "lqr_cost", "lqr_gain", "riccati", "sampled_model"]
 

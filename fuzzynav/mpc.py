@@ -11,10 +11,11 @@ from scipy import sparse
 from scipy.linalg import solve_discrete_are
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.laws import MPC, NO_RATES, Tracker
+from fuzzynav.laws import MPC
 from fuzzynav.lqr import LEAST_SPEED, Weights, sampled_model
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.tracker import NO_RATES, Tracker
 
 __all__ = ["Mpc", "MpcParams", "braking", "mpc_cost"]
 

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.laws import KANAYAMA, PID, SLIDING, Tracker
+from fuzzynav.laws import KANAYAMA, PID, SLIDING
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.tracker import Tracker
 
 __all__ = [
     "Kanayama", "KanayamaGains", "Pid", "PidGains", "Sliding", "SlidingGains", "error_rate", "kanayama",

@@ -14,7 +14,6 @@ from tqdm import tqdm
 MODULES: tuple[str, ...] = (
     "fuzzynav.gridkernels",
     "fuzzynav.laws",
-    "fuzzynav.loop",
     "fuzzynav.particles",
 )
 

@@ -25,10 +25,11 @@ ROWS = [
 ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 # helpers of a topic stand in its row
 TOPIC = {
-    "gridkernels": "mapfiles", "logs": "mapping", "posegraph": "mapping", "particles": "localization",
+    "cameras": "sensors", "gridkernels": "mapfiles", "logs": "mapping", "posegraph": "mapping",
+    "particles": "localization",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
     "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
-    "mpc": "tracking", "observers": "tracking", "loop": "tracking",
+    "mpc": "tracking", "observers": "tracking", "loop": "tracking", "tracker": "tracking",
     "dwa_kernels": "dwa", "fuzzy_dwa": "dwa", "avoidance": "fusion",
 }
 # these catch what a reader's own code may raise, and turn it into a sentence
