@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import ipywidgets as widgets
 
-__all__ = ["Choice", "Slider", "widget_of"]
+__all__ = ["Choice", "Slider", "label_width", "widget_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,21 +52,33 @@ class Choice:
     options: tuple[str, ...]
     value: str
 
+    @property
+    def name(self) -> str:
+        """Label as it stands beside the list."""
+        return self.label
+
     def __post_init__(self) -> None:
         if self.value not in self.options:
             raise ValueError(f"choice '{self.label}': value '{self.value}' is not one of {', '.join(self.options)}")
 
 
-def widget_of(control: Slider | Choice) -> widgets.ValueWidget:
-    """The widget that stands for a control."""
-    style, layout = {"description_width": "150px"}, widgets.Layout(width="360px")
+def widget_of(control: Slider | Choice, label_width: int = 150) -> widgets.ValueWidget:
+    """The widget that stands for a control; its label takes `label_width` pixels."""
+    style = {"description_width": f"{label_width}px"}
+    layout = widgets.Layout(width=f"{label_width + 230}px")
     if isinstance(control, Choice):
-        return widgets.Dropdown(options=control.options, value=control.value, description=control.label,
+        return widgets.Dropdown(options=control.options, value=control.value, description=control.name,
                                 style=style, layout=layout)
     kind = widgets.IntSlider if control.whole else widgets.FloatSlider
     readout = {} if control.whole else {"readout_format": f".{_decimals(control.step)}f"}
     return kind(value=control.value, min=control.low, max=control.high, step=control.step,
                 description=control.name, continuous_update=True, style=style, layout=layout, **readout)
+
+
+def label_width(controls: Iterable[Slider | Choice]) -> int:
+    """Pixels that the longest label of a panel needs."""
+    longest = max((len(control.name) for control in controls), default=0)
+    return min(max(60, 10 + 7 * longest), 280)
 
 
 def _decimals(step: float) -> int:

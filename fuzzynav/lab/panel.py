@@ -12,7 +12,7 @@ import ipywidgets as widgets
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-from fuzzynav.lab.controls import Choice, Slider, widget_of
+from fuzzynav.lab.controls import Choice, Slider, label_width, widget_of
 from fuzzynav.lab.plain import Guard, plain_words
 from fuzzynav.plot import Blit
 
@@ -41,9 +41,10 @@ class Panel:
         self._blit = Blit(size)
         self._update = setup(self._blit.figure)
         self._first = {name: control.value for name, control in self._controls.items()}
-        self._widgets = {name: widget_of(control) for name, control in self._controls.items()}
+        width = label_width(self._controls.values())
+        self._widgets = {name: widget_of(control, width) for name, control in self._controls.items()}
         self._quiet = False
-        self._line = widgets.HTML()
+        self._line, self._note = widgets.HTML(), widgets.HTML()
         self._image = widgets.Image(format="png", width=self._blit.width, layout=widgets.Layout(max_width="100%"))
         for widget in self._widgets.values():
             widget.observe(self._changed, names="value")
@@ -71,6 +72,7 @@ class Panel:
         for name, value in values.items():
             self._widgets[name].value = value
         self._quiet = False
+        self._note.value = ""
         self._draw()
 
     def reset(self) -> None:
@@ -118,7 +120,7 @@ class Panel:
 
     def _arrange(self) -> widgets.Widget:
         head = widgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        left = widgets.VBox([head, *self._widgets.values(), widgets.HBox(self._buttons())])
+        left = widgets.VBox([head, *self._widgets.values(), widgets.HBox(self._buttons()), self._note])
         right = widgets.VBox([self._image, self._line])
         return widgets.HBox([left, right], layout=widgets.Layout(flex_flow="row wrap"))
 
@@ -143,9 +145,9 @@ class Panel:
         guard = Guard()
         with guard:
             picture, values = self.save()
-            self._say(f"Saved: {picture.as_posix()} and {values.name}, beside this notebook.")
+            self._note.value = html.escape(f"Saved beside this notebook: {picture.as_posix()}, {values.name}")
         if guard.error is not None:
-            self._say(f"Not saved: {plain_words(guard.error)}.")
+            self._note.value = html.escape(f"Not saved: {plain_words(guard.error)}.")
 
     def _say(self, text: str) -> None:
         self._line.value = html.escape(text)
@@ -171,12 +173,16 @@ class Player(Panel):
         frame = self._widgets["frame"]
         frame.value = min(max(frame.value + count, frame.min), frame.max)
 
+    def reset(self) -> None:
+        """Stop playing and move every control back to its first value."""
+        self._play.playing = False
+        super().reset()
+
     def _buttons(self) -> list[widgets.Widget]:
         frame = self._widgets["frame"]
         play = widgets.Play(min=frame.min, max=frame.max, value=frame.value, interval=self._interval,
                             show_repeat=False)
-        link = widgets.jslink((play, "value"), (frame, "value"))
-        self._linked = (play, link)
+        self._play, self._link = play, widgets.jslink((play, "value"), (frame, "value"))
         back, on = widgets.Button(icon="step-backward"), widgets.Button(icon="step-forward")
         back.on_click(lambda _: self.step(-1))
         on.on_click(lambda _: self.step(1))
