@@ -12,6 +12,9 @@ import sys
 from tqdm import tqdm
 
 MODULES: tuple[str, ...] = (
+    "fuzzynav.fuzzy.engine",
+    "fuzzynav.fuzzy.kernels",
+    "fuzzynav.fuzzy.set_kernels",
     "fuzzynav.gridkernels",
     "fuzzynav.laws",
     "fuzzynav.particles",
