@@ -124,7 +124,8 @@ class CircleCurve(Curve):
 class SplineCurve(Curve):
     """Interpolating spline of degree 5 (less for few points) through way-points `(n, 2)`, by arc length.
 
-    Raises ValueError for fewer than two points, points that are not finite, or two equal neighbours.
+    Raises ValueError for fewer than two points, points that are not finite, two equal neighbours, or a curve that
+    turns back on itself within a point, where it has no curvature.
     """
 
     def __init__(self, points: ArrayLike) -> None:
@@ -136,11 +137,15 @@ class SplineCurve(Curve):
             raise ValueError(f"way-points {int(chords.argmin())} and {int(chords.argmin()) + 1} coincide")
         u = np.concatenate([[0.0], np.cumsum(chords)])
         self._curve: BSpline = make_interp_spline(u, p, k=min(5, len(p) - 1))
-        stations = np.unique(np.concatenate([np.linspace(a, b, 61) for a, b in itertools.pairwise(u)]))
+        stations = np.unique(np.concatenate([np.linspace(a, b, 121) for a, b in itertools.pairwise(u)]))
         nodes, weights = np.polynomial.legendre.leggauss(6)
         half = np.diff(stations)[:, None] / 2.0
         d1 = self._curve.derivative()(stations[:-1, None] + half * (nodes + 1.0))
-        s = np.concatenate([[0.0], np.cumsum((np.hypot(d1[..., 0], d1[..., 1]) * weights * half).sum(axis=1))])
+        rate = np.hypot(d1[..., 0], d1[..., 1])
+        if rate.min() < 0.1:
+            where = p[max(int(np.searchsorted(u, stations[int(rate.min(axis=1).argmin())], side="right")) - 1, 0)]
+            raise ValueError(f"the curve turns back on itself near way-point {where.tolist()}: move it or add one")
+        s = np.concatenate([[0.0], np.cumsum((rate * weights * half).sum(axis=1))])
         self._parameter: BSpline = make_interp_spline(s, stations, k=5)
         self.length = float(s[-1])
 
