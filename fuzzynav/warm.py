@@ -12,6 +12,9 @@ import sys
 from tqdm import tqdm
 
 MODULES: tuple[str, ...] = (
+    "fuzzynav.dwa_contact",
+    "fuzzynav.dwa_kernels",
+    "fuzzynav.experiments.dwa_loop",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
     "fuzzynav.fuzzy.set_kernels",

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,7 @@ class Slot:
 class Tables:
     """The arguments of `engine.run` between the points and the results, and what the evidence needs to name them."""
 
-    arrays: tuple[NDArray[np.generic], ...]
+    arrays: tuple[Any, ...]
     slots: tuple[Slot, ...]
     n_terms: int
     n_rules: int
@@ -70,13 +71,15 @@ def tables(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...], blocks: 
     return Tables(arrays=arrays, slots=slots, n_terms=first_output_term, n_rules=len(weights))
 
 
-def _codes(rows: list[tuple[int, ...]], width: int) -> Codes:
+def _codes(rows: Sequence[tuple[int, ...]], width: int) -> Codes:
     return np.array(rows, dtype=np.int64).reshape(-1, width)
 
 
 def _terms(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...]) -> tuple[Array, Codes, Array]:
     """Numbers (t, 5), codes (t, 4) and the lists of discrete and linear terms, inputs first."""
-    numbers, codes, lists = [], [], []
+    numbers: list[list[float]] = []
+    codes: list[tuple[int, ...]] = []
+    lists: list[float] = []
     for owner, variable in enumerate((*inputs, *outputs)):
         for term in variable.terms:
             long = term.shape in ("discrete", "linear")
@@ -84,7 +87,7 @@ def _terms(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...]) -> tuple
             pairs = len(term.parameters) // 2 if term.shape == "discrete" else 0
             codes.append((_SHAPE[term.shape], owner, len(lists), pairs))
             lists.extend(term.parameters if long else ())
-    return np.array(numbers, dtype=float).reshape(-1, 5), _codes(codes, 4), np.array(lists or [0.0], dtype=float)
+    return np.array(numbers).reshape(-1, 5), _codes(codes, 4), np.array(lists or [0.0])
 
 
 def _hedges(proposition: Proposition, width: int) -> tuple[int, ...]:
@@ -95,7 +98,7 @@ def _hedges(proposition: Proposition, width: int) -> tuple[int, ...]:
 
 def _antecedents(inputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> tuple[Codes, Codes, Array]:
     """Distinct propositions (p, 1 + hedges), the postfix program (k, 5) over them, and the rule weights."""
-    place = {}
+    place: dict[tuple[str, str], int] = {}
     for variable in inputs:
         for term in variable.terms:
             place[variable.name, term.name] = len(place)
@@ -204,7 +207,8 @@ def _stack(arrays: list[Array]) -> Array:
     shape = tuple(max(sizes) for sizes in zip(*(a.shape for a in arrays), strict=True))
     result = np.zeros((len(arrays), *shape))
     for k, a in enumerate(arrays):
-        result[(k, *(slice(size) for size in a.shape))] = a
+        inside: tuple[Any, ...] = (k, *(slice(size) for size in a.shape))
+        result[inside] = a
     return result
 
 

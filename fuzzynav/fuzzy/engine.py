@@ -7,13 +7,17 @@ clipped once for each term, with the strongest of the rules that conclude it: th
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fuzzynav.fuzzy.kernels import conorm, gaussian_row, hedged, member, norm
 from fuzzynav.fuzzy.set_kernels import aggregate, exact_centroid, max_min_centroid, of_samples, weighted
 from fuzzynav.geometry import Array
+
+Codes = NDArray[np.int64]
 
 __all__ = ["run"]
 
@@ -21,7 +25,7 @@ _BLOCK = 64
 
 
 @njit(cache=True)
-def _fuzzify(block: Array, ranges: Array, terms: Array, numbers: Array, table: Array, mu: Array) -> None:
+def _fuzzify(block: Array, ranges: Array, terms: Codes, numbers: Array, table: Array, mu: Array) -> None:
     """Memberships mu (n_terms, width) of the points block (width, n_inputs)."""
     width = block.shape[0]
     column, bits = np.empty(width), np.empty(width)
@@ -43,7 +47,7 @@ def _fuzzify(block: Array, ranges: Array, terms: Array, numbers: Array, table: A
 
 
 @njit(cache=True)
-def _qualify(mu: Array, propositions: Array, props: Array) -> None:
+def _qualify(mu: Array, propositions: Codes, props: Array) -> None:
     """Truth props (n_propositions, width) of each `variable is [hedges] term`."""
     for k in range(propositions.shape[0]):
         t = propositions[k, 0]
@@ -81,7 +85,7 @@ def _join(op: int, code: int, here: Array, other: Array) -> None:
 
 
 @njit(cache=True)
-def _fire(props: Array, program: Array, weights: Array, stack: Array, firing: Array) -> None:
+def _fire(props: Array, program: Codes, weights: Array, stack: Array, firing: Array) -> None:
     """Run the antecedent program: firing (n_rules, width) from proposition memberships (n_props, width)."""
     top = -1
     for k in range(program.shape[0]):
@@ -112,7 +116,7 @@ def _strongest(h: Array, a: Array, b: Array, c: Array) -> None:
 
 
 @njit(cache=True)
-def _conclude(firing: Array, consequents: Array, slots: Array, h: Array) -> None:
+def _conclude(firing: Array, consequents: Codes, slots: Codes, h: Array) -> None:
     """Strength h (n_slots, width) of each concluded set, merged over its rules (consequents are sorted by set)."""
     n, c, hedge_free = consequents.shape[0], 0, True
     for slot in range(h.shape[0]):
@@ -144,7 +148,7 @@ def _conclude(firing: Array, consequents: Array, slots: Array, h: Array) -> None
 
 
 @njit(cache=True)
-def _output(o: int, h: Array, points: Array, outputs: Array, slots: Array, terms: Array, numbers: Array, table: Array,
+def _output(o: int, h: Array, points: Array, outputs: Codes, slots: Codes, terms: Codes, numbers: Array, table: Array,
             tables: Array, knots: Array, lines: Array, answer: Array) -> None:  # fmt: skip
     """Crisp answers (width,) of output o, measured from the centre of its range; nan where nothing fires."""
     first, n, code, defuzzifier = outputs[o, 0], outputs[o, 1], outputs[o, 2], outputs[o, 3]
@@ -189,8 +193,8 @@ def _settle(answer: float, fires: bool, previous: float, settings: Array) -> flo
 
 
 @njit(cache=True)
-def run(points: Array, degrees: Array, previous: Array, ranges: Array, terms: Array, numbers: Array, table: Array,
-        propositions: Array, program: Array, weights: Array, consequents: Array, slots: Array, outputs: Array,
+def run(points: Array, degrees: Array, previous: Array, ranges: Array, terms: Codes, numbers: Array, table: Array,
+        propositions: Codes, program: Codes, weights: Array, consequents: Codes, slots: Codes, outputs: Codes,
         settings: Array, tables: Array, knots: Array, lines: Array, values: Array, memberships: Array, firings: Array,
         strengths: Array) -> None:  # fmt: skip
     """Evaluate all points (n, n_inputs) and write values (n, n_outputs).
@@ -199,7 +203,7 @@ def run(points: Array, degrees: Array, previous: Array, ranges: Array, terms: Ar
     are the evidence; they are written when they have rows.
     """
     n, n_in = points.shape
-    n_terms, wide = memberships.shape[1], min(n, _BLOCK)
+    n_terms, wide = memberships.shape[1], max(1, min(n, _BLOCK))
     mu, props = np.empty((n_terms, wide)), np.empty((propositions.shape[0], wide))
     stack, firing = np.empty((propositions.shape[0] + 1, wide)), np.empty((weights.size, wide))
     h, answer = np.empty((slots.shape[0], wide)), np.empty(wide)
@@ -240,3 +244,17 @@ def run(points: Array, degrees: Array, previous: Array, ranges: Array, terms: Ar
                     firings[start + p, r] = math.nan if missing else firing[r, p]
                 for k in range(slots.shape[0]):
                     strengths[start + p, k] = math.nan if missing else h[k, p]
+
+
+def _warm() -> None:
+    from fuzzynav.fuzzy.compiled import tables
+    from fuzzynav.fuzzy.membership import Term
+    from fuzzynav.fuzzy.rules import Rule
+    from fuzzynav.fuzzy.variable import RuleBlock, Variable
+
+    low = Term(name="Low", shape="triangle", parameters=(0, 0, 1))
+    x, y = (Variable(name=name, low=0, high=1, terms=(low,)) for name in "xy")
+    prepared = tables((x,), (y,), (RuleBlock(rules=(Rule.parse("if x is Low then y is Low"),)),))
+    empty = np.empty((0, 0))
+    arrays: Any = (np.zeros((1, 1)), empty, empty, *prepared.arrays, np.empty((1, 1)), np.empty((0, 1)), empty, empty)
+    run(*arrays)

@@ -243,3 +243,10 @@ def inverse_member(code: int, p: Array, strength: float) -> float:
     elif code == 21:
         t = 1.0 - math.sqrt(1.0 - w * w)
     return p[1] - t * (p[1] - p[0]) if code == 8 else p[0] + t * (p[1] - p[0])
+
+
+def _warm() -> None:
+    p, table, x = np.array([0.0, 0.0, 1.0, 1.0, 1.0]), np.zeros(2), np.zeros(1)
+    norm(0, 0.5, 0.5), conorm(0, 0.5, 0.5), hedged(0, 0.5)
+    member(1, p, 0.5, table, 0, 1), inverse_member(15, p, 0.5)
+    gaussian_row(x, np.array([0.0, 1.0, 0.0, 0.0, 1.0]), x.copy(), x.copy())

@@ -55,10 +55,7 @@ _MAY_BE_INFINITE = {"triangle", "trapezoid", "binary", "rectangle"}
 
 
 def _rise(x: Array, a: float, b: float) -> Array:
-    """0 up to a, straight up to 1 at b; a step up at b when a == b or a is -inf.
-
-    Source: thesis eq 2.32 (errata T49)
-    """
+    """0 up to a, straight up to 1 at b; a step up at b when a == b, and 1 everywhere when a is -inf."""
     if a == b:
         return (x >= b).astype(float)
     if math.isinf(a):
@@ -67,6 +64,10 @@ def _rise(x: Array, a: float, b: float) -> Array:
 
 
 def _triangle(x: Array, a: float, b: float, c: float) -> Array:
+    """Triangle with feet a, c and peak b; a == b and b == c are shoulders.
+
+    Source: thesis eq 2.32 (errata T49)
+    """
     return np.minimum(_rise(x, a, b), _rise(-x, -c, -b))
 
 

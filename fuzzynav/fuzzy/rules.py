@@ -88,10 +88,7 @@ def propositions(antecedent: Antecedent) -> Iterator[Proposition]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rule:
-    """If the antecedent holds, then each consequent does, as strongly, times the weight.
-
-    Source: thesis eq 2.38
-    """
+    """If the antecedent holds, then each consequent does, as strongly, times the weight."""
 
     antecedent: Antecedent
     consequents: tuple[Proposition, ...]

@@ -9,9 +9,12 @@ import math
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fuzzynav.fuzzy.kernels import conorm, inverse_member, norm
 from fuzzynav.geometry import Array
+
+Codes = NDArray[np.int64]
 
 __all__ = ["aggregate", "exact_centroid", "max_min_centroid", "of_samples", "weighted"]
 
@@ -51,7 +54,7 @@ def _clip(a: Array, b: Array, c: Array, m: Array, w: Array, wx: Array, area: Arr
 
 
 @njit(cache=True)
-def _clip_many(h: Array, used: Array, n: int, m: Array, w: Array, wx: Array, area: Array, moment: Array) -> None:
+def _clip_many(h: Array, used: Codes, n: int, m: Array, w: Array, wx: Array, area: Array, moment: Array) -> None:
     for p in range(h.shape[1]):
         for j in range(4):
             u = 0.0
@@ -94,7 +97,7 @@ def max_min_centroid(h: Array, rows: Array, sampled: Array, area: Array, moment:
 
 
 @njit(cache=True)
-def aggregate(h: Array, rows: Array, implied: Array, code: int, mu: Array) -> None:
+def aggregate(h: Array, rows: Array, implied: Codes, code: int, mu: Array) -> None:
     """Aggregated set mu (width, samples) of the sets `rows`, implied with h, joined with conorm `code`."""
     for p in range(mu.shape[0]):
         here = mu[p]
@@ -170,7 +173,7 @@ def of_samples(defuzzifier: int, quadrature: int, sampled: Array, mu: Array) -> 
 
 
 @njit(cache=True)
-def weighted(average: bool, h: Array, slots: Array, terms: Array, numbers: Array, table: Array, x: Array) -> float:
+def weighted(average: bool, h: Array, slots: Codes, terms: Codes, numbers: Array, table: Array, x: Array) -> float:
     """Sum of strength times consequent over the rules, divided by the strengths if `average`; nan if none fires."""
     total, weight = 0.0, 0.0
     for k in range(h.size):
@@ -190,7 +193,7 @@ def weighted(average: bool, h: Array, slots: Array, terms: Array, numbers: Array
 
 
 @njit(cache=True)
-def _cuts(h: Array, implied: Array, summed: bool, left: Array, right: Array, out: Array) -> int:
+def _cuts(h: Array, implied: Codes, summed: bool, left: Array, right: Array, out: Array) -> int:
     """Where, in [0, 1], the aggregate of the lines may bend: written to `out`, sorted; returns how many."""
     n = h.size
     count = 1
@@ -219,7 +222,7 @@ def _cuts(h: Array, implied: Array, summed: bool, left: Array, right: Array, out
 
 
 @njit(cache=True)
-def exact_centroid(knots: Array, lines: Array, h: Array, implied: Array, summed: bool) -> float:
+def exact_centroid(knots: Array, lines: Array, h: Array, implied: Codes, summed: bool) -> float:
     """Centroid of the max (or sum) of clipped or scaled polygonal sets; nan when their area is 0.
 
     `knots` (m,) cut the range where a set bends; `lines` (m - 1, n, 2) holds each set at both ends of each piece, seen
@@ -250,3 +253,14 @@ def exact_centroid(knots: Array, lines: Array, h: Array, implied: Array, summed:
                 moment += strip * (knots[piece] + cuts[c - 1] * width) + dx * dx * (before + 2.0 * f) / 6.0
             before = f
     return moment / area if area > 0.0 else math.nan
+
+
+def _warm() -> None:
+    h, implied, mu = np.full((1, 1), 0.5), np.zeros(1, np.int64), np.ones((1, 2))
+    rows, sampled = np.ones((2, 3))[:1, :2], np.array([[0.0, 1.0, 2.0], [1.0, 1.0, 1.0]])[:, :2]
+    aggregate(h, rows, implied, 0, mu)
+    of_samples(0, 0, sampled, mu[0])
+    max_min_centroid(h, rows, sampled, np.zeros(1), np.zeros(1))
+    exact_centroid(np.array([0.0, 1.0]), np.ones((1, 1, 2)), h[0], implied, False)
+    terms, numbers = np.array([[15, 0, 0, 0]]), np.ones((1, 5))
+    weighted(True, h[0], np.zeros((1, 4), np.int64), terms, numbers, np.zeros(1), np.zeros(1))

@@ -2,15 +2,35 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzynav.fuzzy.compiled import Tables, tables
+from fuzzynav.fuzzy.defuzzify import mean_of_maximum
+from fuzzynav.fuzzy.engine import run as compiled_run
+from fuzzynav.fuzzy.gaps import Gaps, combinations, grid
+from fuzzynav.fuzzy.inference import Inference
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.rules import Proposition, Rule, propositions
-from fuzzynav.fuzzy.variable import RuleBlock, Variable
+from fuzzynav.fuzzy.sets import match
+from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
+from fuzzynav.geometry import Array
 
-__all__ = ["FuzzySystem", "Rule", "RuleBlock", "Term", "Variable"]
+__all__ = ["INFERENCE", "FuzzySystem", "Rule", "RuleBlock", "Term", "Variable"]
+
+INFERENCE = {
+    "max-min": ("min", "min", "max"),
+    "max-product": ("product", "product", "max"),
+    "sum-product": ("product", "product", "sum"),
+}
+"""The three methods of thesis 2.4.4: conjunction, implication, aggregation (the implication is our reading)."""
+
+_EMPTY = np.empty((0, 0))
+_run: Any = compiled_run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,6 +78,145 @@ class FuzzySystem:
         """All rules, block after block: the order of `Inference.firing`."""
         return tuple(rule for block in self.blocks for rule in block.rules)
 
+    def __call__(self, *inputs: ArrayLike | Term, previous: ArrayLike | None = None) -> tuple[Any, ...]:
+        """One answer for each output: floats for scalar inputs, else arrays of the broadcast shape.
+
+        An input may also be a Term (see `evaluate`). Where an input is nan every answer is nan. Where no rule fires an
+        output is its default, or, if it locks its previous value, the one given in `previous` (one for each output).
+        Raises ValueError for a wrong number of inputs.
+        """
+        if Term in map(type, inputs):
+            return tuple(v if v.ndim else float(v) for v in self.evaluate(*inputs, previous=previous).values)
+        prepared = self._tables()
+        points, shape = self._points(inputs)
+        before = _EMPTY if previous is None else self._previous(previous, shape)
+        values = np.empty((len(points), len(self.outputs)))
+        none = np.empty((0, prepared.n_terms))
+        _run(points, _EMPTY, before, *prepared.arrays, values, none, _EMPTY, _EMPTY)
+        if shape == ():
+            return tuple(values[0].tolist())
+        return tuple(values[:, k].reshape(shape) for k in range(len(self.outputs)))
+
+    def evaluate(
+        self, *inputs: ArrayLike | Term, previous: ArrayLike | None = None, match_norm: str = "min"
+    ) -> Inference:
+        """The answers with the evidence for them. An input may be a Term: an uncertain reading, itself a fuzzy set.
+
+        Such a reading is matched with every term by sup-min, or sup-product with `match_norm` "product", on 1001
+        samples of the range; a linear consequent is fed its mean of maximum. Raises ValueError like a call.
+        """
+        prepared = self._tables()
+        crisp = tuple(
+            _middle(self.inputs[k], x) if isinstance(x, Term) and k < len(self.inputs) else x
+            for k, x in enumerate(inputs)
+        )
+        points, shape = self._points(crisp)
+        before = _EMPTY if previous is None else self._previous(previous, shape)
+        degrees = self._degrees(inputs, points, match_norm) if any(isinstance(x, Term) for x in inputs) else _EMPTY
+        values, memberships, firing, strengths = self._evidence(points, degrees, before)
+        split = np.cumsum([len(v.terms) for v in self.inputs])[:-1]
+        parts = np.split(memberships.reshape(*shape, -1), split, axis=-1)
+        return Inference(
+            inputs=self.inputs,
+            outputs=self.outputs,
+            rules=self.rules,
+            readings=tuple(
+                f"the set {x.name}" if isinstance(x, Term) else points[:, k].reshape(shape)
+                for k, x in enumerate(inputs)
+            ),
+            values=tuple(values[:, k].reshape(shape) for k in range(len(self.outputs))),
+            firing=firing.reshape(*shape, -1),
+            memberships={v.name: part for v, part in zip(self.inputs, parts, strict=True)},
+            strengths=strengths.reshape(*shape, len(prepared.slots)),
+            slots=prepared.slots,
+        )
+
+    def uncovered(self, n: int = 41, below: float = 0.0) -> Gaps:
+        """Points of a grid with n points a side where no rule fires stronger than `below`, and what is missing.
+
+        Raises ValueError where the grid would be too large or the input box has no end.
+        """
+        points = grid(self.inputs, n)
+        names, degrees = combinations(self.inputs)
+        weak = self._silent(points, _EMPTY) <= below
+        anywhere = np.zeros((len(names), len(self.inputs)))
+        missing = np.flatnonzero(self._silent(anywhere, degrees) <= below)
+        return Gaps(
+            inputs=tuple(v.name for v in self.inputs),
+            points=points[weak],
+            total=len(points),
+            missing=tuple(names[k] for k in missing),
+        )
+
+    def _evidence(self, points: Array, degrees: Array, before: Array) -> tuple[Array, Array, Array, Array]:
+        """Values, memberships, firing and strengths of the sets at points (n, n_inputs), one row each."""
+        prepared, n = self._tables(), len(points)
+        values, memberships = np.empty((n, len(self.outputs))), np.empty((n, prepared.n_terms))
+        firing, strengths = np.empty((n, prepared.n_rules)), np.empty((n, len(prepared.slots)))
+        _run(points, degrees, before, *prepared.arrays, values, memberships, firing, strengths)
+        return values, memberships, firing, strengths
+
+    def _silent(self, points: Array, degrees: Array) -> Array:
+        """Strength (n,) of the strongest rule for the output that hears least."""
+        strengths = self._evidence(points, degrees, _EMPTY)[3]
+        heard = np.zeros((len(self.outputs), len(points)))
+        for k, slot in enumerate(self._tables().slots):
+            heard[slot.output] = np.maximum(heard[slot.output], strengths[:, k])
+        return heard.min(axis=0)
+
+    def with_inference(self, method: str) -> FuzzySystem:
+        """The same knowledge under "max-min", "max-product" or "sum-product" inference.
+
+        Raises ValueError for another method.
+        """
+        if method not in INFERENCE:
+            raise ValueError(f"unknown inference {method!r}; known: {', '.join(INFERENCE)}")
+        conjunction, implication, aggregation = INFERENCE[method]
+        blocks = tuple(replace(b, conjunction=conjunction, implication=implication) for b in self.blocks)
+        outputs = tuple(
+            v if v.defuzzifier in WEIGHTED else replace(v, aggregation=aggregation) for v in self.outputs
+        )
+        return replace(self, blocks=blocks, outputs=outputs)
+
+    def _tables(self) -> Tables:
+        if "tables" not in self._cache:
+            self._cache["tables"] = tables(self.inputs, self.outputs, self.blocks)
+        return self._cache["tables"]  # type: ignore[no-any-return]
+
+    def _points(self, inputs: tuple[Any, ...]) -> tuple[Array, tuple[int, ...]]:
+        """Inputs as points (n, n_inputs), and the shape that they broadcast to."""
+        if len(inputs) != len(self.inputs):
+            names = ", ".join(v.name for v in self.inputs)
+            raise ValueError(f"{self.name!r} takes {len(self.inputs)} inputs ({names}), got {len(inputs)}")
+        try:
+            points = np.array(inputs, dtype=float)
+        except ValueError:
+            points = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in inputs)))
+        if points.ndim == 1:
+            return points[None, :], ()
+        return np.ascontiguousarray(points.reshape(len(inputs), -1).T), points.shape[1:]
+
+    def _previous(self, previous: ArrayLike, shape: tuple[int, ...]) -> Array:
+        """Previous answers as an array (n, n_outputs)."""
+        if not any(v.lock_previous for v in self.outputs):
+            raise ValueError(f"{self.name!r} has no output that locks its previous value, so previous= has no effect")
+        given = tuple(previous)  # type: ignore[arg-type]
+        if len(given) != len(self.outputs):
+            raise ValueError(f"previous= needs one value for each of {len(self.outputs)} outputs, got {len(given)}")
+        return np.stack([np.broadcast_to(np.asarray(x, dtype=float), shape).reshape(-1) for x in given], axis=-1)
+
+    def _degrees(self, inputs: tuple[Any, ...], points: Array, norm: str) -> Array:
+        """Memberships (n, n_input_terms) of crisp readings and of readings that are sets."""
+        columns = []
+        for k, (variable, reading) in enumerate(zip(self.inputs, inputs, strict=True)):
+            if isinstance(reading, Term):
+                x = np.union1d(np.linspace(variable.low, variable.high, 1001), _middle(variable, reading))
+                row = match(variable.fuzzify(x).T, reading.membership(x), norm)
+                columns.append(np.broadcast_to(row, (len(points), len(row))))
+            else:
+                columns.append(variable.fuzzify(points[:, k]))
+        return np.ascontiguousarray(np.concatenate(columns, axis=1))
+
     @classmethod
     def load(cls, path: str | Path) -> FuzzySystem:
         """System read from a .fll or MATLAB .fis file."""
@@ -83,6 +242,12 @@ class FuzzySystem:
         from fuzzynav.fuzzy.exchange import from_skfuzzy
 
         return from_skfuzzy(control_system, name)
+
+
+def _middle(variable: Variable, reading: Term) -> float:
+    """Mean of maximum of an uncertain reading over the range of its variable."""
+    x = np.linspace(variable.low, variable.high, 1001)
+    return float(mean_of_maximum(x, reading.membership(x)))
 
 
 def _check(proposition: Proposition, variables: tuple[Variable, ...], role: str, rule: Rule) -> None:
