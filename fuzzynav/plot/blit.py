@@ -43,6 +43,8 @@ class Blit:
         """The picture as PNG bytes; `artists` None means that all of the figure may have changed."""
         if artists is None:
             self._background = None
+            for artist in self.figure.findobj(Artist.get_animated):
+                artist.set_animated(False)
             self._canvas.draw()
         else:
             self._draw(sorted(artists, key=lambda a: a.get_zorder()))

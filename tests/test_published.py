@@ -1,0 +1,151 @@
+"""The ledger: every claim and item is readable, and verdicts follow the stated rules."""
+
+import csv
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fuzzynav import published
+from fuzzynav.experiments.reproduction import VERDICTS, Reproduction
+
+LENGTH = published.claim("thesis:c-3.4-S1-TA-len")
+PERCENT = published.claim("thesis:c-3.4-pct-4")
+
+
+def test_every_claim_belongs_to_a_known_document():
+    assert len(published.claims()) == 310
+    assert {c.id.split(":")[0] for c in published.claims().values()} == {"thesis", "effc", "fuzzy-apf", "fuzzy-planner"}
+    assert all(c.better in ("lower", "higher", "equal") for c in published.claims().values())
+
+
+def test_every_item_says_whether_it_can_be_reproduced():
+    assert len(published.items()) == 400
+    assert {i.reproducible for i in published.items().values()} == {"yes", "approx", "concept", "no"}
+
+
+def test_values_have_their_kind():
+    assert LENGTH.value == 24.73
+    assert LENGTH.decimals == 2
+    assert published.claim("thesis:c-3.4-S1-TA-smooth").value == "No"
+    assert published.claim("thesis:c-formula-4").value is True
+    assert published.claim("effc:c-turn").value == math.pi / 4
+
+
+def test_unknown_names_are_answered_with_near_ones():
+    with pytest.raises(ValueError, match="no published claim 'thesis:c-nothing'"):
+        published.claim("thesis:c-nothing")
+    with pytest.raises(ValueError, match="no published item"):
+        published.item("thesis:fig-99")
+    with pytest.raises(ValueError, match="chapter 77 has no reproductions"):
+        published.table(77)
+
+
+def verdict(claim, ours, **more):
+    return published.verdict(claim, ours, Reproduction(claim=claim.id, measure=lambda: ours, **more))
+
+
+@pytest.mark.parametrize(("claim", "ours", "more", "expected"), [
+    (LENGTH, 24.7279, {}, "reproduced"),
+    (LENGTH, 24.735, {}, "reproduced"),
+    (LENGTH, 24.7351, {}, "not reproduced"),
+    (LENGTH, 25.0, {"tolerance": 0.5}, "reproduced"),
+    (LENGTH, 30.0, {"direction": lambda: True}, "direction holds"),
+    (LENGTH, 30.0, {"direction": lambda: False}, "not reproduced"),
+    (LENGTH, math.nan, {}, "not reproduced"),
+    (PERCENT, 60.0, {}, "reproduced"),
+    (PERCENT, 31.0, {}, "direction holds"),
+    (PERCENT, -2.0, {}, "not reproduced"),
+    (PERCENT, 0.6, {}, "direction holds"),  # a fraction is not the percentage
+])
+def test_verdicts_on_numbers(claim, ours, more, expected):
+    assert verdict(claim, ours, **more) == expected
+
+
+@pytest.mark.parametrize(("name", "ours", "expected"), [
+    ("thesis:c-3.4-S1-TA-smooth", "No", "reproduced"),
+    ("thesis:c-3.4-S1-TA-smooth", "Yes", "not reproduced"),
+    ("thesis:c-formula-4", True, "reproduced"),
+    ("thesis:c-formula-4", False, "not reproduced"),
+    ("thesis:c-formula-4", 1.0, "not reproduced"),
+    ("fuzzy-planner:c-opt90", 93.0, "reproduced"),
+    ("fuzzy-planner:c-opt90", 88.0, "not reproduced"),
+])
+def test_verdicts_on_words_truths_and_bounds(name, ours, expected):
+    assert verdict(published.claim(name), ours) == expected
+
+
+@given(st.floats(0, 10), st.floats(-20, 70))
+def test_within_the_tolerance_means_reproduced(tolerance, ours):
+    said = verdict(LENGTH, ours, tolerance=tolerance)
+    assert (said == "reproduced") == (abs(ours - 24.73) <= tolerance + 1e-9)
+
+
+def test_a_verdict_by_hand_needs_its_reason():
+    with pytest.raises(ValueError, match="needs its reason"):
+        Reproduction(claim=LENGTH.id, verdict="not testable")
+    with pytest.raises(ValueError, match="give a function that measures"):
+        Reproduction(claim=LENGTH.id)
+    with pytest.raises(ValueError, match="is not one of"):
+        Reproduction(claim=LENGTH.id, verdict="fine", because="x")
+    by_hand = Reproduction(claim=LENGTH.id, verdict="not testable", because="hardware")
+    assert published.verdict(LENGTH, "", by_hand) == "not testable"
+
+
+@pytest.fixture
+def one_chapter(monkeypatch):
+    rows = (
+        Reproduction(claim=LENGTH.id, measure=lambda: 24.7279, because="rounding of two decimals"),
+        Reproduction(claim=PERCENT.id, measure=lambda: 33.3333, ours="the map"),
+        Reproduction(claim="thesis:c-formula-2", because="P = 1.4 there", verdict="contradicts itself"),
+    )
+    monkeypatch.setattr(published, "reproductions", lambda: {"5": rows})
+    return rows
+
+
+def test_a_chapters_table(one_chapter):
+    table = published.table("05")
+    assert list(table["verdict"]) == ["reproduced", "direction holds", "contradicts itself"]
+    assert list(table["published"]) == ["24.73", "60", "true"]
+    assert list(table["ours"]) == ["24.728", "33.3", ""]
+    assert list(table["why"]) == ["rounding of two decimals", "the map", "P = 1.4 there"]
+    assert "rounding of two decimals" in table._repr_html_()
+
+
+def test_the_ledger_has_a_row_for_each_claim(one_chapter, tmp_path, capsys):
+    assert published.main(["--csv", str(tmp_path / "ledger.csv")]) == 0
+    said = capsys.readouterr().out
+    assert "310 claims: 1 reproduced, 1 direction holds, 1 contradicts itself, 307 not yet" in said
+    assert "published 24.73 m; ours 24.728; reproduced" in said
+    with (tmp_path / "ledger.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == 310
+    assert {r["verdict"] for r in rows} <= set(VERDICTS)
+
+
+def test_a_reproduction_of_an_unknown_claim_is_refused(one_chapter, monkeypatch):
+    wrong = (replace(one_chapter[0], claim="thesis:c-typo"),)
+    monkeypatch.setattr(published, "reproductions", lambda: {"5": wrong})
+    with pytest.raises(ValueError, match="no published claim 'thesis:c-typo'"):
+        published.ledger()
+
+
+def test_the_chapters_present_are_sound():
+    seen: set[str] = set()
+    for chapter, group in published.reproductions().items():
+        for reproduction in group:
+            assert published.claim(reproduction.claim).id not in seen, f"{reproduction.claim} twice ({chapter})"
+            seen.add(reproduction.claim)
+
+
+def test_items_in_notebooks_exist():
+    assert set(published.reproduced_items()) <= set(published.items())
+
+
+def test_a_damaged_file_names_its_row(tmp_path, monkeypatch):
+    (tmp_path / "claims.csv").write_text("id,value\na,b,c\n")
+    monkeypatch.setattr(published, "folder", lambda: tmp_path)
+    with pytest.raises(ValueError, match=r"claims\.csv, row 2: 9 fields are needed, found 3"):
+        published._rows("claims.csv", 9)
