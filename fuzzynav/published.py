@@ -20,6 +20,7 @@ import math
 import pkgutil
 import re
 import sys
+import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
@@ -281,18 +282,20 @@ def _words(ours: Measured, c: Claim) -> str:
     return digits.rstrip("0").removesuffix(".")
 
 
+def _heading(row: Row) -> str:
+    document, _, name = row.source.partition(":")
+    chapter = re.search(r"\d|[A-Z]", name)
+    return f"{document}, chapter {chapter[0]}" if document == "thesis" and chapter else document
+
+
 def _print_ledger(rows: Sequence[Row]) -> None:
-    heading = ""
-    for row in rows:
-        document, _, name = row.source.partition(":")
-        place = re.search(r"\d|[A-Z]+", name)
-        now = f"{document}, chapter {place[0]}" if document == "thesis" and place else document
-        if now != heading:
-            heading = now
-            print(f"\n{heading}\n{'-' * len(heading)}")
-        unit = "" if row.unit in ("-", "flag", "grade", "qualitative") else f" {row.unit}"
-        print(f"{row.claim}  {row.quantity} ({row.setting or 'all'})")
-        print(f"    published {row.published}{unit}; ours {row.ours or '-'}; {row.verdict}")
+    for heading in dict.fromkeys(_heading(row) for row in rows):
+        print(f"\n{heading}\n{'-' * len(heading)}")
+        for row in rows:
+            if _heading(row) == heading:
+                unit = "" if row.unit in ("-", "flag", "grade", "qualitative") else f" {row.unit}"
+                print(f"{row.claim}  {row.quantity} ({row.setting or 'all'})")
+                print(f"    published {row.published}{unit}; ours {row.ours or '-'}; {row.verdict}")
 
 
 def _print_items() -> None:
@@ -303,7 +306,8 @@ def _print_items() -> None:
           f"{impossible} cannot be (photographs and the like)")
     for topic in dict.fromkeys(i.topic for i in missing):
         names = [i.id for i in missing if i.topic == topic]
-        print(f"  {topic} ({len(names)}): {', '.join(names)}")
+        print(textwrap.fill(f"{topic} ({len(names)}): {', '.join(names)}", 116, initial_indent="  ",
+                            subsequent_indent="    ", break_long_words=False, break_on_hyphens=False))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
