@@ -60,11 +60,11 @@ def _qualify(mu: Array, propositions: Codes, props: Array) -> None:
 
 
 @njit(cache=True)
-def _and3(a: Array, b: Array, c: Array, weight: float, out: Array) -> None:
-    for p in range(out.size):
-        u = a[p] if a[p] < b[p] else b[p]
-        u = u if u < c[p] else c[p]
-        out[p] = weight * u
+def _and3(props: Array, a: int, b: int, c: int, weight: float, firing: Array, rule: int) -> None:
+    for p in range(props.shape[1]):
+        u = props[a, p] if props[a, p] < props[b, p] else props[b, p]
+        u = u if u < props[c, p] else props[c, p]
+        firing[rule, p] = weight * u
 
 
 @njit(cache=True)
@@ -91,7 +91,7 @@ def _fire(props: Array, program: Codes, weights: Array, stack: Array, firing: Ar
     for k in range(program.shape[0]):
         op, operand, code = program[k, 0], program[k, 1], program[k, 2]
         if op == 6:
-            _and3(props[operand], props[code], props[program[k, 3]], weights[program[k, 4]], firing[program[k, 4]])
+            _and3(props, operand, code, program[k, 3], weights[program[k, 4]], firing, program[k, 4])
         elif op == 0:
             top += 1
             for p in range(stack.shape[1]):
@@ -108,11 +108,11 @@ def _fire(props: Array, program: Codes, weights: Array, stack: Array, firing: Ar
 
 
 @njit(cache=True)
-def _strongest(h: Array, a: Array, b: Array, c: Array) -> None:
-    for p in range(h.size):
-        u = h[p] if h[p] > a[p] else a[p]
-        v = b[p] if b[p] > c[p] else c[p]
-        h[p] = u if u > v else v
+def _strongest(h: Array, slot: int, firing: Array, a: int, b: int, c: int) -> None:
+    for p in range(h.shape[1]):
+        u = h[slot, p] if h[slot, p] > firing[a, p] else firing[a, p]
+        v = firing[b, p] if firing[b, p] > firing[c, p] else firing[c, p]
+        h[slot, p] = u if u > v else v
 
 
 @njit(cache=True)
@@ -136,7 +136,7 @@ def _conclude(firing: Array, consequents: Codes, slots: Codes, h: Array) -> None
             if second != rule and c + 2 < n and consequents[c + 2, 1] == slot:
                 third = consequents[c + 2, 0]
             c += 1 + (second != rule) + (third != rule)
-            _strongest(h[slot], firing[rule], firing[second], firing[third])
+            _strongest(h, slot, firing, rule, second, third)
             continue
         for p in range(firing.shape[1]):
             m = firing[rule, p]

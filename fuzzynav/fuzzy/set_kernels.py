@@ -66,8 +66,26 @@ def _clip_many(h: Array, used: Codes, n: int, m: Array, w: Array, wx: Array, are
 
 
 @njit(cache=True)
+def _one_by_one(h: Array, rows: Array, sampled: Array, area: Array, moment: Array) -> None:
+    """As `max_min_centroid`, for the few points that do not fill a vector register."""
+    for p in range(h.shape[1]):
+        total, turn = 0.0, 0.0
+        for s in range(rows.shape[1]):
+            u = 0.0
+            for k in range(h.shape[0]):
+                v = h[k, p] if h[k, p] < rows[k, s] else rows[k, s]
+                u = u if u > v else v
+            total += sampled[1, s] * u
+            turn += sampled[1, s] * sampled[0, s] * u
+        area[p], moment[p] = total, turn
+
+
+@njit(cache=True)
 def max_min_centroid(h: Array, rows: Array, sampled: Array, area: Array, moment: Array) -> None:
     """Area and moment (width,) of the max of the sets `rows` (n, samples) clipped at h (n, width)."""
+    if area.size < 4:
+        _one_by_one(h, rows, sampled, area, moment)
+        return
     samples, sets = rows.shape[1], h.shape[0]
     used, m = np.zeros(sets + 3, np.int64), np.zeros((sets + 3, 4))
     w, wx = np.zeros(4), np.zeros(4)
@@ -117,14 +135,32 @@ def aggregate(h: Array, rows: Array, implied: Codes, code: int, mu: Array) -> No
 
 
 @njit(cache=True)
+def _nearest_half(x: Array, w: Array, mu: Array, total: float) -> float:
+    """Mean of the samples at which the area so far is nearest to half of the total."""
+    done, best, places, count = 0.0, math.inf, 0.0, 0
+    for s in range(mu.size):
+        done += w[s] * mu[s]
+        miss = abs(done / total - 0.5)
+        if miss < best - 1e-12:
+            best, places, count = miss, 0.0, 0
+        if miss <= best + 1e-12:
+            places += x[s]
+            count += 1
+    return places / count
+
+
+@njit(cache=True)
 def _bisector(x: Array, w: Array, mu: Array, quadrature: int) -> float:
-    """The x that halves the area of the set mu: polyline (0), cells (1) or the first sample at half (2)."""
+    """The x that halves the area of the set mu: on the polyline (0), at the sample nearest to half, as FuzzyLite (1),
+    or at the first sample past half, as MATLAB (2)."""
     n = mu.size
     total = 0.0
     for s in range(n):
         total += w[s] * mu[s]
     if total == 0.0:
         return math.nan
+    if quadrature == 1:
+        return _nearest_half(x, w, mu, total)
     step = x[1] - x[0]
     done = 0.0
     for s in range(n):
@@ -139,8 +175,7 @@ def _bisector(x: Array, w: Array, mu: Array, quadrature: int) -> float:
             need = 0.5 * total - done
             if quadrature == 2:
                 return x[s]
-            t = 2.0 * need / (a + math.sqrt(max(a * a + 2.0 * (b - a) * need, 0.0)))
-            return x[s] + step * (t if quadrature == 0 else t - 0.5)
+            return x[s] + step * 2.0 * need / (a + math.sqrt(max(a * a + 2.0 * (b - a) * need, 0.0)))
         done += part
     return x[n - 1]
 
