@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
-from scipy.signal import place_poles
 
 from fuzzynav.geometry import Array
 from fuzzynav.laws import DFL, FLATNESS
@@ -230,10 +229,7 @@ def gains_from_poles(wanted: ArrayLike) -> DflGains:
     s = np.asarray(wanted, dtype=complex).ravel()
     if s.shape != (2,) or (s.real >= 0).any() or abs(s.sum().imag) > 1e-9 * abs(s).max():
         raise ValueError(f"give two poles in the left half-plane, real or conjugate, got {np.asarray(wanted).tolist()}")
-    if s[0] == s[1]:
-        kp, kd = float((s[0] * s[1]).real), float(-(s[0] + s[1]).real)
-    else:
-        kp, kd = (float(k) for k in place_poles(CHAINS.a[:2, :2], CHAINS.b[:2, :1], s).gain_matrix[0])
+    kp, kd = float((s[0] * s[1]).real), float(-s.sum().real)  # s^2 + kd s + kp, the companion form of each chain
     return DflGains(kp1=kp, kd1=kd, kp2=kp, kd2=kd)
 
 

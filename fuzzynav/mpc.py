@@ -143,11 +143,11 @@ class _Problem:
         cost = sparse.triu(sparse.block_diag(blocks, format="csc"), format="csc")
         self.solver = osqp.OSQP()
         wide = np.full(7 * n, 1e3)
-        # a fixed rho: the answer then depends on the numbers alone, not on the clock or on earlier problems
+        # fixed rho, no scaling: the answer then depends on the numbers alone, not on the clock or on earlier problems
         self.solver.setup(
             P=cost, q=np.zeros(5 * n), A=self.matrix, l=-wide, u=wide, verbose=False, polishing=False,
             eps_abs=params.tolerance, eps_rel=params.tolerance, max_iter=params.iterations, adaptive_rho=False,
-            rho=0.5, check_termination=5,
+            rho=0.5, check_termination=5, scaling=0,
         )
 
     def pose(self, error: Array, last: Array, wanted: Array) -> None:
