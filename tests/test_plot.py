@@ -76,7 +76,8 @@ def make(size=(4.0, 3.0)):
     blit = plot.Blit(size)
     ax = blit.figure.add_subplot()
     ax.set(xlim=(0, 1), ylim=(0, 1))
-    (line,) = ax.plot([0.1, 0.9], [0.1, 0.9])
+    (line,) = ax.plot([0.0, 1.0], [0.0, 1.0], label="a line below the legend and the frame")
+    ax.legend(loc="center")
     return blit, ax, line
 
 
@@ -96,7 +97,7 @@ def test_nothing_of_the_last_picture_remains():
     first = blit.png([line])
     line.set_ydata([0.8, 0.3])
     assert blit.png([line]) != first
-    line.set_ydata([0.1, 0.9])
+    line.set_ydata([0.0, 1.0])
     assert blit.png([line]) == first
 
 

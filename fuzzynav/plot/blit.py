@@ -47,10 +47,11 @@ class Blit:
                 artist.set_animated(False)
             self._canvas.draw()
         else:
-            self._draw(sorted(artists, key=lambda a: a.get_zorder()))
+            self._draw(list(artists))
         return encode(np.asarray(self._canvas.buffer_rgba()), level)
 
     def _draw(self, artists: list[Artist]) -> None:
+        artists = list(dict.fromkeys([*artists, *_frames(artists)]))
         fresh = [artist for artist in artists if not artist.get_animated()]
         for artist in fresh:
             artist.set_animated(True)
@@ -58,13 +59,10 @@ class Blit:
             self._paint_background()
         self._canvas.restore_region(self._background)
         renderer = self._canvas.get_renderer()
-        for artist in artists:
-            if artist.figure is None:
-                continue
+        for artist in sorted((a for a in artists if a.figure), key=lambda a: a.get_zorder()):
             if hasattr(artist, "do_3d_projection"):
                 artist.do_3d_projection()
             artist.draw(renderer)
-
 
     def _paint_background(self) -> None:
         self._canvas.draw()
@@ -72,6 +70,15 @@ class Blit:
             self.figure.set_layout_engine("none")
         self._background = self._canvas.copy_from_bbox(self.figure.bbox)
         self._painted = {id(artist) for artist in self.figure.findobj() if not artist.get_animated()}
+
+
+def _frames(artists: Iterable[Artist]) -> list[Artist]:
+    """What of their axes lies above most curves: spines and legends."""
+    frames: list[Artist] = []
+    for ax in dict.fromkeys(artist.axes for artist in artists if artist.axes):
+        frames += ax.spines.values() if ax.axison else ()
+        frames += [ax.get_legend()] if ax.get_legend() is not None else []
+    return frames
 
 
 def encode(rgba: np.ndarray, level: int) -> bytes:
