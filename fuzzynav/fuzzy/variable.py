@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -36,7 +36,7 @@ def _one_of(value: str, known: tuple[str, ...] | dict[str, object], what: str) -
         raise ValueError(f"{what}: got {value!r}; known: {', '.join(known)}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Variable:
     """A linguistic variable: a name, a range [low, high] in `unit`, and its terms.
 
@@ -81,6 +81,17 @@ class Variable:
             raise ValueError(f"{here}: two terms have one name: {', '.join(names)}")
         if isinstance(self.resolution, bool) or int(self.resolution) != self.resolution or self.resolution < 2:
             raise ValueError(f"{here}: resolution must be a whole number of at least 2, got {self.resolution}")
+
+    def _key(self) -> tuple[object, ...]:
+        """The fields, with a nan default as None, so that two unset defaults are equal."""
+        values = (getattr(self, field.name) for field in fields(self))
+        return tuple(None if isinstance(v, float) and math.isnan(v) else v for v in values)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Variable) and self._key() == other._key()
+
+    def __hash__(self) -> int:
+        return hash(self._key())
 
     def term(self, name: str) -> Term:
         """The term of that name. Raises ValueError that lists the known ones."""
