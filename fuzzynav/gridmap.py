@@ -106,7 +106,7 @@ class GridMap:
     def contains(self, cells: ArrayLike) -> NDArray[np.bool_]:
         """Whether the cells `(..., 2)` lie on the map; shape `(...)`."""
         c = np.asarray(cells)
-        return ((c >= 0) & (c < self.shape[::-1])).all(axis=-1)
+        return np.asarray(((c >= 0) & (c < self.shape[::-1])).all(axis=-1))
 
     def is_occupied(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether the points `(..., 2)` [m] lie in occupied cells or outside the map; shape `(...)`."""
@@ -138,10 +138,10 @@ class GridMap:
         >>> GridMap.from_ascii("#....").distance_field(border=False).tolist()
         [[0.0, 0.5, 1.5, 2.5, 3.5]]
         """
-        return self._field(border) * self.resolution
+        return self.field_in_cells(border) * self.resolution
 
-    def _field(self, border: bool = True) -> Array:
-        """The distance field in cells, computed once."""
+    def field_in_cells(self, border: bool = True) -> Array:
+        """The distance field in cells, computed once and shared: do not write to it."""
         if border not in self._fields:
             self._fields[border] = kernels._distance(self.occupied, border)
         return self._fields[border]
@@ -149,7 +149,7 @@ class GridMap:
     def distance(self, points: ArrayLike, border: bool = True) -> Array:
         """Distance [m] from any points `(..., 2)` to the nearest occupied square; exact, 0 inside one."""
         p = (_finite(points, "points") - self.origin) / self.resolution
-        return kernels._nearest_all(self.occupied, self._field(border), p.reshape(-1, 2), border).reshape(
+        return kernels._nearest_all(self.occupied, self.field_in_cells(border), p.reshape(-1, 2), border).reshape(
             p.shape[:-1]) * self.resolution
 
     def inflate(self, radius: float, border: bool = True) -> GridMap:
@@ -159,7 +159,7 @@ class GridMap:
         """
         if not (np.isfinite(radius) and radius >= 0):
             raise ValueError(f"radius must be a finite number of metres, 0 or more, got {radius}")
-        grown = self.occupied | (self._field(border) < radius / self.resolution - kernels.EDGE)
+        grown = self.occupied | (self.field_in_cells(border) < radius / self.resolution - kernels.EDGE)
         return GridMap(grown, self.resolution, self.origin, None if self.unknown is None else self.unknown & ~grown)
 
     def unknown_as_occupied(self) -> GridMap:
@@ -207,8 +207,8 @@ class GridMap:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
         rows = np.atleast_2d(poses)
         worth = True in self._fields or len(rows) * len(beams) > 2000
-        ranges = kernels._cast(self.occupied, self._field() if worth else _NO_FIELD, self.resolution, *self.origin,
-                               rows, beams, float(range_max), border)
+        ranges = kernels._cast(self.occupied, self.field_in_cells() if worth else _NO_FIELD, self.resolution,
+                               *self.origin, rows, beams, float(range_max), border)
         return ranges if poses.ndim == 2 else ranges[0]
 
     def _cells_float(self, point: ArrayLike) -> tuple[float, float]:

@@ -21,6 +21,8 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.gridkernels",
     "fuzzynav.laws",
     "fuzzynav.particles",
+    "fuzzynav.search",
+    "fuzzynav.worldkernels",
 )
 
 

@@ -25,12 +25,12 @@ ROWS = [
 ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 # helpers of a topic stand in its row
 TOPIC = {
-    "cameras": "sensors", "gridkernels": "mapfiles", "logs": "mapping", "posegraph": "mapping",
+    "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping",
     "particles": "localization",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
     "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
     "mpc": "tracking", "observers": "tracking", "loop": "tracking", "tracker": "tracking",
-    "dwa_kernels": "dwa", "fuzzy_dwa": "dwa", "avoidance": "fusion",
+    "dwa_contact": "dwa", "dwa_kernels": "dwa", "dwa_steps": "dwa", "fuzzy_dwa": "dwa", "recorder": "simulate", "avoidance": "fusion",
 }
 # these catch what a reader's own code may raise, and turn it into a sentence
 MAY_CATCH_ALL = {"batch.py", "course/checking.py", "course/__init__.py", "lab/panel.py", "course/exercise.py"}
