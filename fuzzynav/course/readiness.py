@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.metadata as metadata
 import importlib.util
 import os
@@ -13,7 +14,6 @@ from pathlib import Path
 
 from fuzzynav.course.folders import course_root
 from fuzzynav.lab.plain import Guard, plain_words
-from fuzzynav.warm import MODULES
 
 __all__ = ["Finding", "Readiness", "ready"]
 
@@ -83,9 +83,10 @@ def packages(wanted: tuple[str, ...] | None = None, pins: dict[str, set[str]] | 
     return Finding("Packages", True, "all installed, in the versions that were tested")
 
 
-def kernels(modules: tuple[str, ...] = MODULES) -> Finding:
+def kernels(modules: tuple[str, ...] | None = None) -> Finding:
     """Whether the fast code is compiled already, so that no cell waits for it."""
-    cold = [name for name in modules if not _compiled(name)]
+    listed = importlib.import_module("fuzzynav.warm").MODULES if modules is None else modules
+    cold = [name for name in listed if not _compiled(name)]
     if not cold:
         return Finding("Compiled kernels", True, "compiled, no cell waits for the compiler")
     return Finding("Compiled kernels", False,

@@ -4,22 +4,18 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import ipywidgets as widgets
-from matplotlib.artist import Artist
-from matplotlib.figure import Figure
 
 from fuzzynav.lab.controls import Choice, Slider, label_width, widget_of
 from fuzzynav.lab.plain import Guard, plain_words
-from fuzzynav.plot import Blit
+from fuzzynav.plot.blit import Blit, Setup
 
 __all__ = ["Panel", "Player"]
 
-Update = Callable[..., tuple[Iterable[Artist] | None, str]]
-Setup = Callable[[Figure], Update]
 Control = Slider | Choice
 
 
@@ -137,7 +133,7 @@ class Panel:
             self.text = f"No picture for these values: {plain_words(guard.error)}."
         self._say(self.text)
 
-    def _compute(self) -> tuple[list[Artist] | None, str]:
+    def _compute(self) -> tuple[list[Any] | None, str]:
         artists, text = self._update(**self.values)
         return (None if artists is None else list(artists)), text
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -13,7 +13,12 @@ from PIL import Image
 
 from fuzzynav.plot.base import DPI, style
 
-__all__ = ["Blit"]
+__all__ = ["Blit", "Setup", "Update"]
+
+# what a lab calls at each change: values by name in, changed artists (None: all) and a line of text out
+Update = Callable[..., tuple[Iterable[Artist] | None, str]]
+# what a lab calls once: it draws on the figure what stays
+Setup = Callable[[Figure], Update]
 
 
 class Blit:
@@ -77,7 +82,8 @@ def _frames(artists: Iterable[Artist]) -> list[Artist]:
     frames: list[Artist] = []
     for ax in dict.fromkeys(artist.axes for artist in artists if artist.axes):
         frames += ax.spines.values() if ax.axison else ()
-        frames += [ax.get_legend()] if ax.get_legend() is not None else []
+        legend = ax.get_legend()
+        frames += [] if legend is None else [legend]
     return frames
 
 
