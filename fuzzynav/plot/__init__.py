@@ -2,4 +2,6 @@
 
 from fuzzynav.plot.base import *
 from fuzzynav.plot.blit import *
+from fuzzynav.plot.sensor_labs import *
+from fuzzynav.plot.sensors import *
 from fuzzynav.plot.start import *
