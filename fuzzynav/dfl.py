@@ -6,7 +6,6 @@ The names follow the thesis: flat state z = (x, dx/dt, y, dy/dt), virtual inputs
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,9 +17,7 @@ from fuzzynav.observers import Observer
 from fuzzynav.reference import Reference, Sample
 from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracker import Tracker
-
-if TYPE_CHECKING:
-    from fuzzynav.world import Observation
+from fuzzynav.world import Observation
 
 __all__ = [
     "CHAINS", "Dfl", "DflGains", "Flatness", "LinearSystem", "closed_loop", "compensate", "controllability",

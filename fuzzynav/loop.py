@@ -6,7 +6,6 @@ The same step is used compiled, for the laws of `laws`, and from Python, for any
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import ArrayLike
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.laws import MPC, _drive, _limit, _run, limits_of
 from fuzzynav.robot import TURTLEBOT2, Robot, wheel_speeds
-from fuzzynav.tracker import Tracker
+from fuzzynav.tracker import Tracker, seen
 
 __all__ = ["IDEAL", "Disturbance", "Trace", "follow"]
 
@@ -163,7 +162,7 @@ def _run_in_python(
     first = last.copy()
     poses[0] = pose
     for k in range(len(commands)):
-        wish = tracker(SimpleNamespace(time=k * dt, pose=pose + noise[k], velocity=last))
+        wish = tracker(seen(k * dt, pose + noise[k], last))
         _limit(wish, last, lim, dt)
         last = wish.copy()
         commands[k] = wish

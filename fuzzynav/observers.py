@@ -68,7 +68,7 @@ def luenberger_gain(poles: tuple[float, float], dt: float) -> Array:
     Raises ValueError unless both poles are negative and different.
 
     >>> luenberger_gain((-3.0, -4.0), 0.1).round(4).tolist()
-    [0.5889, 0.8545]
+    [0.5034, 0.8545]
     """
     if not (max(poles) < 0 and poles[0] != poles[1]):
         raise ValueError(f"the two poles of an observer must be negative and different, got {poles}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,13 +10,17 @@ from fuzzynav.laws import REST, STATES, _law, limits_of
 from fuzzynav.observers import Observer
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.world import Observation
 
-if TYPE_CHECKING:
-    from fuzzynav.world import Observation
-
-__all__ = ["Tracker"]
+__all__ = ["Tracker", "seen"]
 
 NO_RATES = np.full(2, np.nan)
+NOWHERE, NOTHING = np.full(2, np.nan), np.empty((0, 2))
+
+
+def seen(time: float, pose: Array, velocity: Array) -> Observation:
+    """What a tracker needs of an observation: time [s], pose (3,), v and omega (2,); no goal and no obstacles."""
+    return Observation(time=time, pose=pose, velocity=velocity, goal=NOWHERE, points=NOTHING)
 
 
 class Tracker:

@@ -1,7 +1,6 @@
 """Tracking laws: known answers, invariances, energies, limits, agreement between independent solutions, bad input."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -590,8 +589,8 @@ def test_bad_input_says_what_is_wrong(make: object, words: str) -> None:
 def test_a_pose_that_is_not_finite_is_refused_and_the_end_is_rest(maker: type[tracking.Tracker]) -> None:
     law = maker(SHORT)
     with pytest.raises(ValueError, match="not finite"):
-        law(SimpleNamespace(time=0.0, pose=np.array([0.0, np.nan, 0.0]), velocity=np.zeros(2)))
-    after = law(SimpleNamespace(time=SHORT.duration + 0.1, pose=np.zeros(3), velocity=np.zeros(2)))
+        law(tracking.seen(0.0, np.array([0.0, np.nan, 0.0]), np.zeros(2)))
+    after = law(tracking.seen(SHORT.duration + 0.1, np.zeros(3), np.zeros(2)))
     assert np.array_equal(after, [0.0, 0.0])
 
 
