@@ -47,6 +47,7 @@ def style() -> None:
     dashes = ["-", "--", "-.", ":", "-", "--", "-."]
     mpl.rcParams.update({
         "figure.dpi": DPI, "savefig.dpi": "figure", "figure.figsize": (6.4, 3.8), "figure.constrained_layout.use": True,
+        "figure.constrained_layout.w_pad": 0.08,
         "font.size": 10.0, "axes.titlesize": 10.5, "axes.labelsize": 10.0, "xtick.labelsize": 9.0,
         "ytick.labelsize": 9.0, "legend.fontsize": 9.0, "legend.framealpha": 0.9,
         "axes.prop_cycle": cycler(color=list(CYCLE)) + cycler(linestyle=dashes),
