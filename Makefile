@@ -40,7 +40,7 @@ reproduce: .venv/kernels
 
 bench:
 	@$(PYTHON) fuzzynav/environment.py --bench
-	@$(RUN) -m tests.bench
+	@$(RUN) tests/bench
 
 handout: .venv/kernels
 	@$(RUN) -m fuzzynav.course handout

@@ -52,7 +52,7 @@ def check_python():
 def fingerprint(groups):
     """What the environment is made from; when it changes, the environment is made anew."""
     digest = hashlib.sha256(repr((groups, sys.version_info[:2])).encode())
-    for name in ("pyproject.toml", "constraints.txt", "tests/oracles.txt"):
+    for name in ("pyproject.toml", "constraints.txt", "tests/oracles.txt", "tests/bench/requirements.txt"):
         path = HOME / name
         digest.update(path.read_bytes() if path.exists() else b"")
     return digest.hexdigest()
@@ -95,9 +95,10 @@ def build(groups):
     print("installing the packages of constraints.txt %s (first time: two to five minutes)" % where, flush=True)
     target = "." + ("[" + ",".join(groups) + "]" if groups else "")
     pip("install", "-c", "constraints.txt", "-e", target)
-    if "test" in groups:
-        # independent programs that the tests compare with; their own version limits are older than ours
-        pip("install", "--no-deps", "-r", "tests/oracles.txt")
+    for group, names in (("test", "tests/oracles.txt"), ("bench", "tests/bench/requirements.txt")):
+        if group in groups:
+            # independent programs to compare with; their own version limits are older than ours
+            pip("install", "--no-deps", "-r", names)
     stamp.write_text(wanted)
 
 

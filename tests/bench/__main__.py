@@ -1,4 +1,4 @@
-"""The runner behind `make bench`: `python -m tests.bench [names]`.
+"""The runner behind `make bench`: `python tests/bench [names]`.
 
 Runs `rows()` of every `bench_<name>.py` in this folder, or of the named ones, prints one table, writes
 `data/results/bench.csv` and the table in README.md. A row holds: task, unit, ours, peer, peer_name, ratio (how many
@@ -60,10 +60,11 @@ def main(arguments):
     if unknown:
         print(f"no benchmark is called {', '.join(unknown)}; known: {', '.join(found)}")
         return 1
+    sys.path.insert(0, str(HERE))
     rows = []
     for name in arguments or found:
         print(f"measuring {name} ...", flush=True)
-        for row in importlib.import_module(f"tests.bench.bench_{name}").rows():
+        for row in importlib.import_module(f"bench_{name}").rows():
             rows.append({"bench": name, **row})
             print("  " + " | ".join(show(row[field]) for field in FIELDS), flush=True)
     table = [FIELDS, *(tuple(show(row[field]) for field in FIELDS) for row in rows)]
