@@ -20,6 +20,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.fuzzy.set_kernels",
     "fuzzynav.gridkernels",
     "fuzzynav.laws",
+    "fuzzynav.mapping",
     "fuzzynav.particles",
     "fuzzynav.search",
     "fuzzynav.worldkernels",
