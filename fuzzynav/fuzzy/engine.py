@@ -140,8 +140,9 @@ def _conclude(firing: Array, consequents: Codes, slots: Codes, h: Array) -> None
             continue
         for p in range(firing.shape[1]):
             m = firing[rule, p]
+            fires = m > 0.0
             for k in range(2, consequents.shape[1]):
-                if consequents[c, k] >= 0 and m > 0.0:
+                if consequents[c, k] >= 0 and fires:
                     m = hedged(consequents[c, k], m)
             h[slot, p] = conorm(code, h[slot, p], m)
         c += 1
