@@ -63,7 +63,7 @@ def believed_run(motions: Array, robot: Robot, encoders: Encoders, seed: int = 0
 
 def room(person: bool = True) -> World:
     """A room of 8 m by 4.25 m with a box, a pillar and a door, and a person of radius 0.25 m who walks through it."""
-    walker = Mover.constant((6.8, 3.1), (-0.45, -0.12), 0.25)
+    walker = Mover.constant((6.8, 2.5), (-0.45, 0.06), 0.25)
     return World(grid=GridMap.from_ascii(ROOM, 0.25), movers=(walker,) if person else ())
 
 

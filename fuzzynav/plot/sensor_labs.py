@@ -45,7 +45,8 @@ def wheel_error_lab(figure: Figure) -> Update:
         line.set_data(told[:, 0], told[:, 1])
         there.place(told[-1])
         gap, turn = np.hypot(*(told[-1] - true[-1])[:2]), np.rad2deg(wrap(told[-1, 2] - true[-1, 2]))
-        return [line, *here.artists, *there.artists], f"After two laps: {gap:.2f} m and {turn + 0.0:.1f} deg off."
+        text = f"After two laps: {gap:.2f} m and {np.round(turn, 1) + 0.0:.1f} deg off."
+        return [line, *here.artists, *there.artists], text
 
     return update
 

@@ -73,7 +73,7 @@ def draw_cone(ax: Axes, pose: ArrayLike, opening: float, reading: float, *, role
 
 def robot_kinds(ax: Axes) -> None:
     """The tree of robot families of figure 1.1."""
-    diagram(ax, 12.6, 5.2)
+    diagram(ax, 12.8, 5.2)
     root = block(ax, (7.0, 4.7), "robots", size=(1.8, 0.7))
     kinds = {
         "fixed": (1.65, ["manipulator", "robotic arm"]),
@@ -312,9 +312,9 @@ def pinhole_side(ax: Axes, camera: cameras.Camera, points: ArrayLike) -> Array:
     ax.plot([plane, plane], [top, bottom], color="black", linestyle="-", linewidth=2.0)
     ax.text(plane, top - 0.05, "image plane", ha="center", va="bottom", fontsize=8.5)
     ax.plot(0, 0, marker="o", color="black")
-    ax.text(0.0, -0.12, "pinhole", ha="center", va="bottom", fontsize=8.5)
+    ax.text(-0.2, -0.12, "pinhole", ha="left", va="bottom", fontsize=8.5)
     ax.axhline(0.0, color="#888888", linewidth=0.8, linestyle=":")
-    ax.set(xlabel="depth Z [m]", ylabel="Y [m], down")
+    ax.set(xlabel="depth Z [m]", ylabel="Y [m], down", xlim=(-0.3, None))
     ax.invert_yaxis()
     return cameras.project(p, camera)[:, 1]
 
@@ -325,7 +325,7 @@ def pinhole_picture(ax: Axes, camera: cameras.Camera, center: ArrayLike, side: f
     for i, j in EDGES:
         ax.plot(pixels[[i, j], 0], pixels[[i, j], 1], color=COLORS["robot"], linestyle="-", linewidth=1.2)
     ax.plot(camera.cx, camera.cy, marker="+", color=COLORS["path"], markersize=10)
-    ax.text(camera.cx + 8, camera.cy, "principal point", fontsize=8.5, va="center", color=COLORS["path"])
+    ax.text(camera.cx - 10, camera.cy, "principal point", fontsize=8.5, va="center", ha="right", color=COLORS["path"])
     ax.add_patch(Polygon([[0, 0], [camera.width, 0], [camera.width, camera.height], [0, camera.height]], fill=False))
     ax.set(xlim=(-10, camera.width + 10), ylim=(camera.height + 10, -10), xlabel="u [px]", ylabel="v [px]")
     ax.set_aspect("equal")
