@@ -6,7 +6,7 @@ Verdict of a claim, first rule that fits:
    stated tolerance of the printed one (plus 1e-9), or fulfils a printed bound such as '> 90';
 3. 'direction holds': the reproduction's own test of the tendency says so, or the claim is a
    percentage and ours has the same sign;
-4. 'not reproduced'; 'not yet' where no reproduction exists.
+4. 'not reproduced'; 'not yet' where no reproduction exists, or its study was not run.
 Run `python -m fuzzynav.published` to print all of it.
 """
 
@@ -23,7 +23,7 @@ import sys
 import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import TypeVar
@@ -258,7 +258,10 @@ def _agrees(published: float | bool | str, ours: Measured, tolerance: float) -> 
 
 def _row(reproduction: Reproduction, chapter: str) -> Row:
     c = claim(reproduction.claim)
-    ours = reproduction.measure() if reproduction.measure is not None else ""
+    try:
+        ours = reproduction.measure() if reproduction.measure is not None else ""
+    except FileNotFoundError as error:  # a study that was not run yet
+        return replace(_open_row(c), why=str(error), chapter=chapter)
     ours = getattr(ours, "item", lambda: ours)()  # numpy's own scalars
     decision = verdict(c, ours, reproduction)
     why = "; ".join(part for part in (reproduction.because, reproduction.ours) if part)

@@ -125,6 +125,16 @@ def test_the_ledger_has_a_row_for_each_claim(one_chapter, tmp_path, capsys):
     assert {r["verdict"] for r in rows} <= set(VERDICTS)
 
 
+def test_a_study_that_was_not_run_is_not_yet(monkeypatch):
+    def measure():
+        raise FileNotFoundError("runs.csv is not there yet")
+
+    monkeypatch.setattr(published, "reproductions", lambda: {"5": (Reproduction(claim=LENGTH.id, measure=measure),)})
+    table = published.table(5)
+    assert list(table["verdict"]) == ["not yet"]
+    assert list(table["why"]) == ["runs.csv is not there yet"]
+
+
 def test_a_reproduction_of_an_unknown_claim_is_refused(one_chapter, monkeypatch):
     wrong = (replace(one_chapter[0], claim="thesis:c-typo"),)
     monkeypatch.setattr(published, "reproductions", lambda: {"5": wrong})
