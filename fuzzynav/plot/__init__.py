@@ -5,3 +5,5 @@ from fuzzynav.plot.blit import *
 from fuzzynav.plot.sensor_labs import *
 from fuzzynav.plot.sensors import *
 from fuzzynav.plot.start import *
+from fuzzynav.plot.tracking import *
+from fuzzynav.plot.tracking_labs import *
