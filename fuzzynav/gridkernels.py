@@ -215,21 +215,17 @@ def _clear(occupied: Mask, ax: float, ay: float, bx: float, by: float, radius: f
 
 @njit(cache=True)
 def _crossed(ax: float, ay: float, bx: float, by: float, margin: float) -> Cells:
-    """Cells `(n, 2)` x, y whose squares, grown by `margin`, meet the segment a-b; ordered from a to b."""
-    columns = range(int(np.ceil(min(ax, bx) - 1 - margin)), int(np.floor(max(ax, bx) + margin)) + 1)
+    """Cells `(n, 2)` x, y whose squares, grown by `margin`, meet the segment a-b."""
     cells = [(0, 0)]
     cells.pop()
-    for i in columns:
+    for i in range(int(np.ceil(min(ax, bx) - 1 - margin)), int(np.floor(max(ax, bx) + margin)) + 1):
         low, high = _span(ax, ay, bx, by, i, margin)
-        if low > high:
-            continue
-        first, last = int(np.ceil(low - 1 - margin)), int(np.floor(high + margin))
-        for k in range(last - first + 1):
-            cells.append((i, first + k if (by >= ay) == (bx >= ax) else last - k))
+        if low <= high:
+            for j in range(int(np.ceil(low - 1 - margin)), int(np.floor(high + margin)) + 1):
+                cells.append((i, j))
     out = np.empty((len(cells), 2), dtype=np.int64)
-    for k in range(len(cells)):
-        n = k if bx >= ax else len(cells) - 1 - k
-        out[n, 0], out[n, 1] = cells[k]
+    for n in range(len(cells)):
+        out[n, 0], out[n, 1] = cells[n]
     return out
 
 

@@ -177,7 +177,8 @@ class GridMap:
         """
         _check_rule(corners)
         (ax, ay), (bx, by) = self._cells_float(a), self._cells_float(b)
-        return kernels._crossed(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
+        cells = kernels._crossed(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
+        return cells[np.argsort(cells @ [bx - ax, by - ay], kind="stable")]
 
     def clear_line(self, a: ArrayLike, b: ArrayLike, radius: float = 0.0, corners: str = "strict") -> bool:
         """Whether a disc of `radius` [m] can move straight from a to b without overlapping an occupied square.
