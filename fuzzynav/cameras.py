@@ -13,6 +13,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array
+from fuzzynav.sensors import cast_scene
 
 if TYPE_CHECKING:
     from fuzzynav.gridmap import GridMap
@@ -193,13 +194,10 @@ def depth_ideal(scene: World | GridMap, pose: ArrayLike, depth: DepthCamera, mov
     passes above.
     """
     cam = depth.camera
-    p = np.asarray(pose, dtype=float)
-    if p.shape != (3,) or not np.isfinite(p).all():
-        raise ValueError(f"a pose is three finite numbers x, y, theta, got {p.tolist()}")
     beside = (np.arange(cam.width) - cam.cx) / cam.fx
     below = ((np.arange(cam.height) - cam.cy) / cam.fy)[:, None]
     angles, reach = np.arctan(-beside), depth.range_max * float(np.hypot(1.0, np.abs(beside).max()))
-    ranges = scene.cast(p, angles, reach) if movers is None else scene.cast(p, angles, reach, movers)  # type: ignore[arg-type]
+    ranges = cast_scene(scene, pose, angles, reach, movers)
     wall = np.where(ranges >= reach, 1e9, ranges) * np.cos(angles)
     floor = np.where(below > 0.0, depth.mount / np.where(below > 0.0, below, 1.0), np.inf)
     z = np.minimum(np.where(wall * below < depth.mount - depth.wall, np.inf, wall), floor)

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "SPEED_OF_LIGHT", "SPEED_OF_LIGHT_AS_PRINTED", "SPEED_OF_SOUND", "Encoders", "Laser", "Scan", "Sonar",
-    "dead_reckon", "encoder_counts", "laser_faults", "laser_ideal", "laser_range", "laser_scan", "odometry",
-    "polar_to_points", "sonar_cone", "sonar_ideal", "sonar_range", "sonar_reading", "wheel_angle", "wheel_travel",
+    "cast_scene", "dead_reckon", "encoder_counts", "laser_faults", "laser_ideal", "laser_range", "laser_scan",
+    "odometry", "polar_to_points", "sonar_cone", "sonar_ideal", "sonar_range", "sonar_reading", "wheel_angle", "wheel_travel",
 ]
 
 SPEED_OF_SOUND = 343.0  # [m/s] in air of 20 degrees C, thesis section 1.3.3
@@ -52,11 +52,19 @@ def _pose(pose: ArrayLike) -> Array:
     return p
 
 
-def _cast(scene: World | GridMap, pose: Array, angles: Array, range_max: float, movers: ArrayLike | None) -> Array:
-    """Ranges from the map, or from the whole world with its moving obstacles where they are."""
+def cast_scene(
+    scene: World | GridMap, pose: ArrayLike, angles: Array, range_max: float, movers: ArrayLike | None = None
+) -> Array:
+    """Ranges `(n,)` [m] of beams in a map, or in a whole world with its moving obstacles at `movers` `(m, 2)` [m].
+
+    Without `movers` they stand where they start. Raises ValueError for a pose that is not finite, or for movers in
+    a map, which has none.
+    """
     if movers is None:
-        return np.asarray(scene.cast(pose, angles, range_max), dtype=float)
-    return np.asarray(scene.cast(pose, angles, range_max, movers), dtype=float)  # type: ignore[arg-type]
+        return np.asarray(scene.cast(_pose(pose), angles, range_max), dtype=float)
+    if not hasattr(scene, "movers"):
+        raise ValueError("a map has no moving obstacles: give a World, or leave movers out")
+    return np.asarray(scene.cast(_pose(pose), angles, range_max, movers), dtype=float)  # type: ignore[arg-type]
 
 
 # --- wheel encoders ----------------------------------------------------------------------------
@@ -205,7 +213,7 @@ def sonar_cone(
     """
     angles = np.linspace(-0.5, 0.5, int(sonar.rays)) * sonar.cone if sonar.rays > 1 else np.zeros(1)
     beams = np.concatenate([angles, angles - 1e-4, angles + 1e-4])
-    ranges = _cast(scene, _pose(pose), beams, sonar.range_max, movers)
+    ranges = cast_scene(scene, pose, beams, sonar.range_max, movers)
     middle, low, high = ranges.reshape(3, -1)
     slope = (high - low) / 2e-4  # dr/da = r tan(incidence)
     echo = (middle < sonar.range_max) & (np.abs(np.arctan2(slope, middle)) <= sonar.specular_angle)
@@ -326,7 +334,7 @@ def polar_to_points(ranges: ArrayLike, angles: ArrayLike) -> Array:
 
 def laser_ideal(scene: World | GridMap, pose: ArrayLike, laser: Laser, movers: ArrayLike | None = None) -> Scan:
     """Exact scan of everything in the scene, moving obstacles included; inf where nothing is within range_max."""
-    ranges = _cast(scene, _pose(pose), laser.angles, laser.range_max, movers)
+    ranges = cast_scene(scene, pose, laser.angles, laser.range_max, movers)
     ranges = np.where(ranges >= laser.range_max, np.inf, ranges)
     ranges = np.where(ranges < laser.range_min, -np.inf, ranges)
     return Scan(angles=laser.angles, ranges=ranges, range_max=laser.range_max)

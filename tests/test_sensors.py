@@ -12,6 +12,7 @@ from fuzzynav import sensors as s
 from fuzzynav.geometry import length, to_body, to_world
 from fuzzynav.gridmap import GridMap
 from fuzzynav.robot import TURTLEBOT2, move
+from fuzzynav.world import Mover, World
 
 BOX = GridMap.from_ascii("\n".join(["#" * 42, *(["#" + "." * 40 + "#"] * 40), "#" * 42]), 0.1, (-2.1, -2.1))
 TURN = np.array([0.0, 0.0, 2.0 * np.pi])
@@ -205,6 +206,18 @@ def test_a_pose_that_is_none_is_refused(pose: list[float]) -> None:
                  lambda: s.dead_reckon(pose, [[0.1, 0.0]]), lambda: cam.depth_ideal(BOX, pose, cam.DepthCamera())):
         with pytest.raises(ValueError, match="pose"):
             call()
+
+
+def test_moving_obstacles_are_seen_where_they_are_and_a_map_has_none() -> None:
+    world = World(grid=BOX, movers=(Mover.constant((1.0, 0.0), (0.0, 0.0), 0.25),))
+    laser = s.Laser(beams=1)
+    assert s.laser_ideal(world, [0, 0, 0], laser).ranges == pytest.approx([0.75])
+    assert s.laser_ideal(world, [0, 0, 0], laser, [[-1.0, 0.0]]).ranges == pytest.approx([2.0])
+    assert s.sonar_ideal(world, [0, 0, 0], s.Sonar(), [[1.5, 0.0]]) == pytest.approx(1.25)
+    upper = cam.depth_ideal(world, [0, 0, 0], cam.DepthCamera(), [[1.5, 0.0]])[:30]
+    assert np.nanmin(upper) == pytest.approx(1.25, abs=0.01)
+    with pytest.raises(ValueError, match="no moving obstacles"):
+        s.laser_ideal(BOX, [0, 0, 0], laser, [[1.0, 0.0]])
 
 
 @pytest.mark.parametrize(("angles", "ranges"), [([], []), ([0.0], [1.0, 2.0]), ([np.nan], [1.0]), ([0.0], [-1.0])])

@@ -62,7 +62,8 @@ def laser_lab(figure: Figure) -> Update:
     beams = draw_beams(ax, pose, laser_scan(world, pose, base, np.random.default_rng(0)))
     (dots,) = ax.plot([], [], linestyle="", marker=".", color=COLORS["path"], zorder=6)
     body = draw_robot(ax, pose, TURTLEBOT2.radius)
-    person = ax.add_patch(Circle((0.0, 0.0), 0.25, facecolor=COLORS["mover"], edgecolor="black", zorder=5))
+    person = Circle((0.0, 0.0), world.movers[0].radius, facecolor=COLORS["mover"], edgecolor="black", zorder=5)
+    ax.add_patch(person)
 
     def update(time: float, beams_used: int, noise: float, dropout: float, reach: float) -> tuple[list[Artist], str]:
         at = np.add(world.movers[0].start, np.multiply(world.movers[0].velocity, time))
@@ -82,7 +83,8 @@ def laser_lab(figure: Figure) -> Update:
 def sonar_lab(figure: Figure) -> Update:
     """A sonar before a smooth wall; angles in degrees, distance in metres."""
     ax = metric_axes(figure.add_subplot(), (-0.3, 5.3, -1.7, 1.7))
-    board = ax.add_patch(Polygon(np.zeros((4, 2)), facecolor=COLORS["obstacle"], zorder=3))
+    board = Polygon(np.zeros((4, 2)), facecolor=COLORS["obstacle"], zorder=3)
+    ax.add_patch(board)
     rays = LineCollection([], linewidths=0.8, zorder=2)
     ax.add_collection(rays, autolim=False)
     (arc,) = ax.plot([], [], color=COLORS["path"], linestyle="-", linewidth=2.5, zorder=6)
