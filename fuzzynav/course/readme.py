@@ -56,10 +56,11 @@ def rendered(readme: str, root: Path) -> str:
         "bench": bench_table(root / "data" / "results" / "bench.csv"),
     }
     for name, text in parts.items():
-        pattern = re.compile(rf"(<!-- {name}: generated -->\n).*?(<!-- /{name} -->)", re.S)
-        if not pattern.search(readme):
+        if f"<!-- {name}: generated -->\n" not in readme or f"<!-- /{name} -->" not in readme:
             raise ValueError(f"README.md has lost its markers for '{name}'")
-        readme = pattern.sub(lambda m, text=text: f"{m[1]}{text}\n{m[2]}", readme)
+        before, _, rest = readme.partition(f"<!-- {name}: generated -->\n")
+        after = rest.partition(f"<!-- /{name} -->")[2]
+        readme = f"{before}<!-- {name}: generated -->\n{text}\n<!-- /{name} -->{after}"
     return readme
 
 
