@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 __all__ = [
     "SPEED_OF_LIGHT", "SPEED_OF_LIGHT_AS_PRINTED", "SPEED_OF_SOUND", "Encoders", "Laser", "Scan", "Sonar",
     "cast_scene", "dead_reckon", "encoder_counts", "laser_faults", "laser_ideal", "laser_range", "laser_scan",
-    "odometry", "polar_to_points", "sonar_cone", "sonar_ideal", "sonar_range", "sonar_reading", "wheel_angle", "wheel_travel",
+    "odometry", "polar_to_points", "sonar_cone", "sonar_ideal", "sonar_range", "sonar_reading", "wheel_angle",
+    "wheel_travel",
 ]
 
 SPEED_OF_SOUND = 343.0  # [m/s] in air of 20 degrees C, thesis section 1.3.3
