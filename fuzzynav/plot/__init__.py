@@ -2,6 +2,8 @@
 
 from fuzzynav.plot.base import *
 from fuzzynav.plot.blit import *
+from fuzzynav.plot.fuzzy import *
+from fuzzynav.plot.fuzzy_labs import *
 from fuzzynav.plot.sensor_labs import *
 from fuzzynav.plot.sensors import *
 from fuzzynav.plot.start import *
