@@ -20,7 +20,7 @@ help:
 
 lab: .venv/kernels
 	@echo "opening JupyterLab; stop it with Ctrl-C twice"
-	@.venv/bin/jupyter lab notebooks/00_start_here.ipynb
+	@$(RUN) -m jupyter lab notebooks/00_start_here.ipynb
 
 test:
 	@$(PYTHON) fuzzynav/environment.py --test
