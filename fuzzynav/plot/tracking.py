@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,6 +24,8 @@ __all__ = [
     "draw_flat_loop", "draw_poles", "draw_reference", "draw_rivals", "draw_singularity", "draw_time_against_error",
     "draw_tracking_errors", "draw_tracking_path", "draw_tracking_speeds", "draw_unicycle", "draw_velocity_estimates",
 ]
+
+BESIDE: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}  # a legend that covers no curve
 
 
 def draw_unicycle(ax: Axes, robot: Robot = TURTLEBOT2) -> tuple[Artist, ...]:
@@ -90,11 +93,13 @@ def draw_reference(ax: Axes, reference: Reference, *, n: int = 801, label: str =
 
 
 def draw_tracking_path(ax: Axes, trace: Trace, *, label: str = "driven") -> tuple[Line2D, Line2D]:
-    """Reference (dashed) and driven path (solid) of a run, its start marked with a disc."""
+    """Reference (broad) and driven path (thin) of a run, its start marked with a disc, the legend beside."""
     metric_axes(ax)
-    wanted = draw_path(ax, trace.wanted, role="reference", linestyle="--", label="reference")
+    wanted = draw_path(ax, trace.wanted, role="reference", label="reference")
+    wanted.set(linewidth=4.0, alpha=0.5)
     driven = draw_path(ax, trace.poses, role="path", label=label)
     ax.plot(*trace.poses[0, :2], marker="o", color=COLORS["robot"], linestyle="", label="start")
+    ax.legend(**BESIDE)
     return wanted, driven
 
 
@@ -105,7 +110,7 @@ def draw_tracking_errors(ax: Axes, trace: Trace, *, scale: float = 1e3) -> list[
     lines = [ax.plot(trace.t, scale * e, label=f"{name} [{unit}]")[0]
              for e, name, unit in zip(trace.errors.T, names, units, strict=True)]
     ax.set(xlabel="t [s]", ylabel=f"error [{units[0]}, {units[2]}]")
-    ax.legend(loc="upper right")
+    ax.legend(**BESIDE)
     return lines
 
 
@@ -115,7 +120,7 @@ def draw_tracking_speeds(ax: Axes, trace: Trace) -> list[Line2D]:
     lines = [ax.plot(t, trace.commands[:, 0], label="v [m/s]")[0],
              ax.plot(t, trace.commands[:, 1], label=r"$\omega$ [rad/s]")[0]]
     ax.set(xlabel="t [s]", ylabel="v [m/s], $\\omega$ [rad/s]")
-    ax.legend(loc="upper right")
+    ax.legend(**BESIDE)
     return lines
 
 
@@ -165,7 +170,7 @@ def draw_time_against_error(ax: Axes, times: Mapping[str, float], errors: Mappin
         lines += ax.plot([times[name]], [errors[name]], marker=marker, linestyle="", markersize=8, label=name,
                          color=list(COLORS.values())[k % 7])
     ax.set(xscale="log", yscale="log", xlabel="time of one step [µs]", ylabel="error [mm]")
-    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    ax.legend(**BESIDE)
     return lines
 
 
