@@ -25,7 +25,7 @@ ROWS = [
 ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 # helpers of a topic stand in its row
 TOPIC = {
-    "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping",
+    "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping", "mapkinds": "mapping",
     "particles": "localization",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
     "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
