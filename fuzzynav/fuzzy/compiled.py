@@ -60,9 +60,7 @@ def tables(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...], blocks: 
     first_output_term = sum(len(v.terms) for v in inputs)
     settings, codes, *sets = _outputs(outputs, slots)
     offsets = np.cumsum([0, *(len(v.terms) for v in outputs)]) + first_output_term
-    slot_codes = [
-        (s.output, offsets[s.output] + s.term, _NORM[s.implication], _CONORM[s.merge]) for s in slots
-    ]
+    slot_codes = [(s.output, offsets[s.output] + s.term, _NORM[s.implication], _CONORM[s.merge]) for s in slots]
     ranges = [(v.low, v.high, float(v.lock_range)) for v in inputs]
     arrays = (
         np.array(ranges, dtype=float), terms, numbers, lists, props, program, weights, consequents,

@@ -14,18 +14,15 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fuzzynav.fuzzy.variable import QUADRATURES
+from fuzzynav.fuzzy.variable import MAX_RESOLUTION, QUADRATURES
 
 if TYPE_CHECKING:
     from fuzzynav.fuzzy.system import FuzzySystem
 
-__all__ = ["MAX_BYTES", "MAX_RESOLUTION", "load", "save"]
+__all__ = ["MAX_BYTES", "load", "save"]
 
 MAX_BYTES = 4_000_000
 """Largest file that is read; a rule base of a thousand rules has 200 kB."""
-
-MAX_RESOLUTION = 100_000
-"""Largest number of samples of an output that a file may ask for."""
 
 
 def load(path: str | Path) -> FuzzySystem:

@@ -7,8 +7,9 @@ What our systems hold and the language has no word for stands in lines that othe
 Read as FuzzyLite means it: a Centroid without a number has 1000 samples; `enabled: false` takes out a rule block, the
 conclusions on an output (whose answer is then nan), or the propositions on an input (whose degree is then 0).
 Refused by name and line: Function terms, activations other than General, rules that use an output as a condition, and
-whatever else is unknown. One difference is deliberate: a hedge in a conclusion acts on that conclusion alone, where
-FuzzyLite carries it over to the conclusions after it.
+whatever else is unknown. Three differences from FuzzyLite are deliberate: a hedge in a conclusion acts on that
+conclusion alone (there it is carried over to the next ones); a rule that does not fire concludes nothing (there 'then
+y is not small' holds wholly just then); a nan input gives nan.
 """
 
 from __future__ import annotations
@@ -66,7 +67,6 @@ _DIRECTIVES = {
     "OutputVariable": ("unit", "quadrature", "resolution", "singleton"),
     "RuleBlock": (),
 }
-_DEPTH = 50
 _FUZZYLITE_RESOLUTION = "1000"
 
 
@@ -342,8 +342,6 @@ def _operator(key: str, table: dict[str, str], text: str) -> str | None:
 
 def _rule(text: str, operators: dict[str, str | None], off: dict[str, set[str]], outputs: set[str]) -> Rule | None:
     """The rule without its disabled parts; None when nothing is left of it."""
-    if text.count("(") > _DEPTH:
-        raise ValueError(f"more than {_DEPTH} brackets in one rule")
     rule = Rule.parse(text)
     for condition in propositions(rule.antecedent):
         if condition.variable in outputs:

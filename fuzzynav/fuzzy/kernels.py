@@ -54,7 +54,7 @@ def conorm(code: int, a: float, b: float) -> float:
         return (a + b) / (1.0 + a * b)
     if code == 7:
         gap = 1.0 - a * b
-        return 1.0 if gap == 0.0 else (a + b - 2.0 * a * b) / gap
+        return 1.0 if gap == 0.0 else 1.0 - (1.0 - a) * (1.0 - b) / gap
     return max(a, b) if a + b < 1.0 else 1.0
 
 

@@ -31,8 +31,8 @@ def _hamacher(a: Array, b: Array) -> Array:
 
 
 def _hamacher_sum(a: Array, b: Array) -> Array:
-    gap = 1.0 - a * b
-    return np.where(gap == 0.0, 1.0, (a + b - 2.0 * a * b) / np.where(gap == 0.0, 1.0, gap))
+    gap = 1.0 - a * b  # the usual form (a + b - 2 a b) / gap loses every digit where a and b are near 1
+    return np.where(gap == 0.0, 1.0, 1.0 - (1.0 - a) * (1.0 - b) / np.where(gap == 0.0, 1.0, gap))
 
 
 NORMS: dict[str, _Operator] = {

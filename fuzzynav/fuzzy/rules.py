@@ -17,6 +17,9 @@ from fuzzynav.fuzzy.operators import HEDGES
 __all__ = ["And", "Antecedent", "Or", "Proposition", "Rule", "propositions"]
 
 
+_DEPTH = 50
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Proposition:
     """`variable is term`, with hedges between them in written order; the term is empty after the hedge any."""
@@ -129,6 +132,7 @@ class _Parser:
         self.text = " ".join(text.split())
         self.words = re.findall(r"[()]|[^\s()]+", text)
         self.at = 0
+        self.depth = 0
 
     def fail(self, expected: str) -> ValueError:
         got = f"{self.words[self.at]!r}" if self.at < len(self.words) else "the end"
@@ -176,8 +180,12 @@ class _Parser:
     def primary(self) -> Antecedent:
         if not self.accept("("):
             return self.proposition()
+        self.depth += 1
+        if self.depth > _DEPTH:
+            raise ValueError(f"rule {self.text[:40]!r}...: more than {_DEPTH} brackets inside one another")
         inner = self.any_of()
         self.expect(")")
+        self.depth -= 1
         return inner
 
     def word(self, what: str) -> str:

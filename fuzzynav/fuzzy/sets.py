@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.operators import NORMS, conjunction
 from fuzzynav.geometry import Array
 
-__all__ = ["alpha_cut", "cardinality", "core", "height", "is_normal", "match", "relation", "rule_relation",
-           "singleton", "support"]  # fmt: skip
+__all__ = ["alpha_cut", "cardinality", "core", "height", "is_normal", "match", "places", "relation",
+           "rule_relation", "singleton", "support"]  # fmt: skip
 
 
 def cardinality(mu: ArrayLike) -> Array:
@@ -81,6 +82,31 @@ def singleton(x: ArrayLike, x0: float) -> Array:
     [0.0, 1.0, 0.0]
     """
     return (np.asarray(x, dtype=float) == x0).astype(float)
+
+
+_WIDTHS = {"gaussian": 6.0, "bell": 6.0, "spike": 1.0, "cosine": 0.5}
+
+
+def places(reading: Term, low: float, high: float) -> Array:
+    """Places in [low, high] at which to compare an uncertain reading: 1001 over the range, and 1001 over the reading
+    itself, so that a narrow one is not lost between two samples. Raises ValueError for an endless range.
+
+    >>> 3.25 in places(Term(name="r", shape="singleton", parameters=(3.25,)), 0.0, 100.0)
+    True
+    """
+    if not np.isfinite([low, high]).all():
+        raise ValueError(f"an uncertain reading needs an input with a finite range, got {low:g} to {high:g}")
+    p = reading.parameters
+    if reading.shape in _WIDTHS:
+        near = [p[0] - _WIDTHS[reading.shape] * p[1], p[0], p[0] + _WIDTHS[reading.shape] * p[1]]
+    elif reading.shape == "two-sided gaussian":
+        near = [p[0] - 6.0 * p[1], p[0], p[2], p[2] + 6.0 * p[3]]
+    else:
+        near = list(p[0::2] if reading.shape == "discrete" else p)
+    inside = [float(np.clip(x, low, high)) for x in near if np.isfinite(x)] or [low]
+    return np.unique(np.concatenate(
+        [np.linspace(low, high, 1001), np.linspace(min(inside), max(inside), 1001), inside]
+    ))  # fmt: skip
 
 
 def match(term: ArrayLike, reading: ArrayLike, norm: str = "min") -> Array:

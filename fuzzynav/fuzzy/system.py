@@ -16,7 +16,7 @@ from fuzzynav.fuzzy.gaps import Gaps, combinations, grid
 from fuzzynav.fuzzy.inference import Inference
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.rules import Proposition, Rule, propositions
-from fuzzynav.fuzzy.sets import match
+from fuzzynav.fuzzy.sets import match, places
 from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
 from fuzzynav.geometry import Array
 
@@ -103,7 +103,8 @@ class FuzzySystem:
         """The answers with the evidence for them. An input may be a Term: an uncertain reading, itself a fuzzy set.
 
         Such a reading is matched with every term by sup-min, or sup-product with `match_norm` "product", on 1001
-        samples of the range; a linear consequent is fed its mean of maximum. Raises ValueError like a call.
+        samples of the range and as many of the reading; a linear consequent is fed its mean of maximum. Raises
+        ValueError like a call.
         """
         prepared = self._tables()
         crisp = tuple(
@@ -173,9 +174,7 @@ class FuzzySystem:
             raise ValueError(f"unknown inference {method!r}; known: {', '.join(INFERENCE)}")
         conjunction, implication, aggregation = INFERENCE[method]
         blocks = tuple(replace(b, conjunction=conjunction, implication=implication) for b in self.blocks)
-        outputs = tuple(
-            v if v.defuzzifier in WEIGHTED else replace(v, aggregation=aggregation) for v in self.outputs
-        )
+        outputs = tuple(v if v.defuzzifier in WEIGHTED else replace(v, aggregation=aggregation) for v in self.outputs)
         return replace(self, blocks=blocks, outputs=outputs)
 
     def _tables(self) -> Tables:
@@ -190,17 +189,33 @@ class FuzzySystem:
             raise ValueError(f"{self.name!r} takes {len(self.inputs)} inputs ({names}), got {len(inputs)}")
         try:
             points = np.array(inputs, dtype=float)
-        except ValueError:
-            points = np.stack(np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in inputs)))
+        except (TypeError, ValueError):
+            points = self._broadcast(inputs)
         if points.ndim == 1:
             return points[None, :], ()
         return np.ascontiguousarray(points.reshape(len(inputs), -1).T), points.shape[1:]
+
+    def _broadcast(self, inputs: tuple[Any, ...]) -> Array:
+        """Inputs of several shapes as one array. Raises ValueError that names the input at fault."""
+        arrays = []
+        for variable, x in zip(self.inputs, inputs, strict=True):
+            try:
+                arrays.append(np.asarray(x, dtype=float))
+            except (TypeError, ValueError):
+                raise ValueError(
+                    f"input {variable.name!r} must be a number or an array of numbers, got {x!r}"
+                ) from None
+        try:
+            return np.stack(np.broadcast_arrays(*arrays))
+        except ValueError:
+            shapes = ", ".join(f"{v.name} {a.shape}" for v, a in zip(self.inputs, arrays, strict=True))
+            raise ValueError(f"the inputs do not broadcast to one shape: {shapes}") from None
 
     def _previous(self, previous: ArrayLike, shape: tuple[int, ...]) -> Array:
         """Previous answers as an array (n, n_outputs)."""
         if not any(v.lock_previous for v in self.outputs):
             raise ValueError(f"{self.name!r} has no output that locks its previous value, so previous= has no effect")
-        given = tuple(previous)  # type: ignore[arg-type]
+        given = (previous,) if np.ndim(previous) == 0 else tuple(previous)  # type: ignore[arg-type]
         if len(given) != len(self.outputs):
             raise ValueError(f"previous= needs one value for each of {len(self.outputs)} outputs, got {len(given)}")
         return np.stack([np.broadcast_to(np.asarray(x, dtype=float), shape).reshape(-1) for x in given], axis=-1)
@@ -210,7 +225,7 @@ class FuzzySystem:
         columns = []
         for k, (variable, reading) in enumerate(zip(self.inputs, inputs, strict=True)):
             if isinstance(reading, Term):
-                x = np.union1d(np.linspace(variable.low, variable.high, 1001), _middle(variable, reading))
+                x = places(reading, variable.low, variable.high)
                 row = match(variable.fuzzify(x).T, reading.membership(x), norm)
                 columns.append(np.broadcast_to(row, (len(points), len(row))))
             else:
@@ -246,7 +261,7 @@ class FuzzySystem:
 
 def _middle(variable: Variable, reading: Term) -> float:
     """Mean of maximum of an uncertain reading over the range of its variable."""
-    x = np.linspace(variable.low, variable.high, 1001)
+    x = places(reading, variable.low, variable.high)
     return float(mean_of_maximum(x, reading.membership(x)))
 
 

@@ -27,6 +27,9 @@ WEIGHTED = frozenset({"weighted average", "weighted sum"})
 QUADRATURES = ("trapezoid", "midpoint", "sum", "exact")
 """How the integrals of the centroid are taken from the samples."""
 
+MAX_RESOLUTION = 1_000_000
+"""Largest number of samples of an output."""
+
 MONOTONE = frozenset({"ramp", "sigmoid", "s", "z", "concave", "arc"})
 """Shapes that a weighted defuzzifier may invert (Tsukamoto): the x at which the membership equals the strength."""
 
@@ -66,9 +69,12 @@ class Variable:
         check_name(self.name, "variable")
         here = f"variable {self.name!r}"
         object.__setattr__(self, "terms", tuple(self.terms))
-        object.__setattr__(self, "low", float(self.low))
-        object.__setattr__(self, "high", float(self.high))
-        object.__setattr__(self, "default", math.nan if math.isnan(self.default) else float(self.default))
+        for name in ("low", "high", "default"):
+            try:
+                value = float(getattr(self, name))
+            except (TypeError, ValueError):
+                raise ValueError(f"{here}: {name} must be a number, got {getattr(self, name)!r}") from None
+            object.__setattr__(self, name, math.nan if math.isnan(value) else value)
         _one_of(self.defuzzifier, DEFUZZIFIERS, f"{here}, defuzzifier")
         if self.aggregation is None:
             object.__setattr__(self, "aggregation", "sum" if self.defuzzifier in WEIGHTED else "max")
@@ -79,8 +85,10 @@ class Variable:
         names = [term.name for term in self.terms]
         if len(set(names)) < len(names):
             raise ValueError(f"{here}: two terms have one name: {', '.join(names)}")
-        if isinstance(self.resolution, bool) or int(self.resolution) != self.resolution or self.resolution < 2:
-            raise ValueError(f"{here}: resolution must be a whole number of at least 2, got {self.resolution}")
+        if type(self.resolution) is not int or not 2 <= self.resolution <= MAX_RESOLUTION:
+            raise ValueError(
+                f"{here}: resolution must be a whole number from 2 to {MAX_RESOLUTION}, got {self.resolution!r}"
+            )
 
     def _key(self) -> tuple[object, ...]:
         """The fields, with a nan default as None, so that two unset defaults are equal."""
