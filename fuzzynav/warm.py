@@ -23,6 +23,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.mapping",
     "fuzzynav.particles",
     "fuzzynav.search",
+    "fuzzynav.visibility",
     "fuzzynav.worldkernels",
 )
 
