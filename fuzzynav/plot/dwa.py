@@ -1,0 +1,267 @@
+"""Pictures of local planning: worlds, velocity windows, candidate arcs, runs over time, and the boxes of the method."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.image import AxesImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
+from numpy.typing import ArrayLike
+from PIL import Image
+
+from fuzzynav import dwa
+from fuzzynav.batch import proportion
+from fuzzynav.dwa import Params, Plan
+from fuzzynav.geometry import Array
+from fuzzynav.plot.base import COLORS, draw_discs, draw_goal, draw_grid, draw_path, draw_robot, metric_axes
+from fuzzynav.recorder import Run
+from fuzzynav.robot import Robot
+from fuzzynav.world import Observation, World
+
+__all__ = [
+    "ArcMark", "WindowMark", "arc_mark", "draw_candidates", "draw_run", "draw_run_speeds", "draw_run_weights",
+    "draw_success", "draw_velocity_sets", "draw_window", "draw_world", "save_gif", "window_mark",
+]
+
+
+def draw_world(ax: Axes, world: World) -> list[Artist]:
+    """Everything that stands in a world, to scale; what no map shows is hatched."""
+    made: list[Artist] = []
+    if world.grid is not None:
+        made.append(draw_grid(ax, world.grid))
+    if len(world.discs):
+        made.append(draw_discs(ax, world.discs))
+    if len(world.unknown_discs):
+        hidden = draw_discs(ax, world.unknown_discs, role="unknown")
+        hidden.set_hatch("///")
+        made.append(hidden)
+    for rows, role in ((world.rectangles, "obstacle"), (world.unknown_rectangles, "unknown")):
+        for x, y, width, height, theta in rows:
+            patch = Rectangle((x - width / 2, y - height / 2), width, height, angle=np.degrees(theta),
+                              rotation_point="center", facecolor=COLORS[role], edgecolor="black", linewidth=0.6,
+                              hatch="///" if role == "unknown" else None, zorder=2)
+            made.append(ax.add_patch(patch))
+    metric_axes(ax, world.bounds)
+    return made
+
+
+# --- the window -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class WindowMark:
+    """The samples of one plan around the speed the robot has; `place` shows another plan."""
+
+    scored: PathCollection
+    refused: Line2D
+    chosen: Line2D
+    emergency: Line2D
+
+    @property
+    def artists(self) -> list[Artist]:
+        """What a lab redraws."""
+        return [self.scored, self.refused, self.chosen, self.emergency]
+
+    def place(self, plan: Plan, velocity: ArrayLike) -> None:
+        """Show the samples of `plan`, made at `velocity` (v, omega); scores are stretched over all colours."""
+        points = (plan.samples - np.asarray(velocity, dtype=float))[:, ::-1]
+        inner = slice(0, len(points) - 1)
+        ok = plan.admissible[inner]
+        totals = plan.totals[inner][ok]
+        span = float(np.ptp(totals)) if len(totals) else 0.0
+        self.scored.set_offsets(points[inner][ok])
+        self.scored.set_array((totals - totals.min()) / span if span > 0 else np.full(len(totals), 0.5))
+        self.refused.set_data(*points[inner][~ok].T)
+        self.chosen.set_data(*points[[plan.chosen]].T)
+        self.emergency.set_data(*points[-1:].T)
+
+
+def window_mark(ax: Axes, robot: Robot, params: Params) -> WindowMark:
+    """Empty axes of the window: omega and v, counted from what the robot drives now."""
+    wide, high = robot.acc_lim_theta * params.dt, max(robot.acc_lim_x, robot.dec_lim_x) * params.dt
+    ax.set(xlim=(1.25 * wide, -1.25 * wide), ylim=(-1.35 * high, 1.35 * high),
+           xlabel=r"$\omega-\omega_c$ [rad/s], left turn to the left", ylabel="$v-v_c$ [m/s]")
+    scored = ax.scatter([], [], c=[], s=55, marker="s", cmap="cividis", vmin=0.0, vmax=1.0, zorder=3,
+                        label="admissible, by score")
+    (refused,) = ax.plot([], [], "x", color="#999999", markersize=6, zorder=3, label="refused")
+    (emergency,) = ax.plot([], [], "v", color=COLORS["path"], markersize=8, markerfacecolor="none", zorder=4,
+                           label="full braking")
+    (chosen,) = ax.plot([], [], "o", color=COLORS["goal"], markersize=13, markerfacecolor="none",
+                        markeredgewidth=2.2, zorder=5, label="chosen")
+    ax.set_title("squares by score, x refused, circle chosen,\ntriangle full braking", fontsize=9)
+    return WindowMark(scored, refused, chosen, emergency)
+
+
+def draw_window(ax: Axes, plan: Plan, velocity: ArrayLike, robot: Robot, params: Params) -> WindowMark:
+    """The velocity window of one decision: admissible samples by score, refused ones, full braking, the choice."""
+    mark = window_mark(ax, robot, params)
+    mark.place(plan, velocity)
+    return mark
+
+
+def draw_velocity_sets(ax: Axes, observation: Observation, robot: Robot, params: Params, n: int = 61) -> AxesImage:
+    """The sets of eq 3.15 in the plane of omega and v: what can be driven, what can stop, what can be reached."""
+    v = np.linspace(max(robot.min_vel_x, 0.0), robot.max_vel_x, n)
+    omega = np.linspace(-robot.max_vel_theta, robot.max_vel_theta, n)
+    samples = np.stack(np.meshgrid(v, omega, indexing="ij"), axis=-1).reshape(-1, 2)
+    free = dwa.free_distance(observation.pose, samples, observation.points, robot.radius)
+    safe = dwa.admissible(samples, free, robot, params.dt).reshape(n, n)
+    half_v, half_w = (v[1] - v[0]) / 2, (omega[1] - omega[0]) / 2
+    image = ax.imshow(safe, origin="lower", aspect="auto", cmap="Greys_r", vmin=-0.6, vmax=1.0, zorder=1,
+                      extent=(omega[0] - half_w, omega[-1] + half_w, v[0] - half_v, v[-1] + half_v))
+    window = dwa.window(observation.velocity, robot, params)[:-1]
+    (v0, w0), (v1, w1) = window.min(axis=0), window.max(axis=0)
+    ax.add_patch(Rectangle((w0, v0), w1 - w0, v1 - v0, fill=False, edgecolor=COLORS["path"], linewidth=2, zorder=3))
+    ax.plot(*np.asarray(observation.velocity)[::-1], "o", color=COLORS["robot"], zorder=4)
+    ax.grid(False)
+    ax.set(xlabel=r"$\omega$ [rad/s], left turn to the left", ylabel="$v$ [m/s]",
+           xlim=(omega[-1] + half_w, omega[0] - half_w), ylim=(v[0] - half_v, v[-1] + half_v))
+    return image
+
+
+# --- arcs -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class ArcMark:
+    """The candidate arcs of one plan on the map; `place` shows another plan."""
+
+    admissible: LineCollection
+    refused: LineCollection
+    chosen: Line2D
+    sim_time: float
+
+    @property
+    def artists(self) -> list[Artist]:
+        """What a lab redraws."""
+        return [self.refused, self.admissible, self.chosen]
+
+    def place(self, plan: Plan, pose: ArrayLike) -> None:
+        """Show the arcs of `plan` from `pose`, each over the horizon or to its first contact."""
+        lines = _lines(pose, plan, self.sim_time)
+        self.admissible.set_segments([line for line, ok in zip(lines, plan.admissible, strict=True) if ok])
+        self.refused.set_segments([line for line, ok in zip(lines, plan.admissible, strict=True) if not ok])
+        self.chosen.set_data(*lines[plan.chosen].T)
+
+
+def arc_mark(ax: Axes, sim_time: float) -> ArcMark:
+    """Empty arcs for `place`."""
+    admissible = LineCollection([], colors=COLORS["reference"], linewidths=0.9, alpha=0.7, zorder=3)
+    refused = LineCollection([], colors="#999999", linewidths=0.9, linestyles=":", zorder=3)
+    ax.add_collection(admissible)
+    ax.add_collection(refused)
+    (chosen,) = ax.plot([], [], color=COLORS["goal"], linestyle="-", linewidth=2.6, zorder=4)
+    return ArcMark(admissible, refused, chosen, sim_time)
+
+
+def _lines(pose: ArrayLike, plan: Plan, sim_time: float) -> list[Array]:
+    """Polylines `(17, 2)` along each sample's arc, over the horizon or to first contact."""
+    speed = np.maximum(np.abs(plan.samples[:, 0]), 1e-9)
+    times = np.minimum(sim_time, plan.free / speed)
+    shares = np.linspace(0.0, 1.0, 17)
+    return [dwa.arcs(pose, plan.samples[[k]], shares * times[k])[0, :, :2] for k in range(len(speed))]
+
+
+def draw_candidates(ax: Axes, observation: Observation, plan: Plan, robot: Robot, params: Params) -> ArcMark:
+    """What the robot sees and the arcs it weighs: admissible, refused (cut at first contact) and chosen."""
+    points = np.asarray(observation.points).reshape(-1, 2)
+    ax.plot(points[:, 0], points[:, 1], ".", color=COLORS["obstacle"], markersize=4, zorder=3)
+    mark = arc_mark(ax, params.sim_time)
+    mark.place(plan, observation.pose)
+    draw_robot(ax, observation.pose, robot.radius)
+    metric_axes(ax)
+    return mark
+
+
+# --- runs -----------------------------------------------------------------------------------------
+
+
+def draw_run(ax: Axes, world: World, run: Run, *, role: str = "path", label: str = "", title: str = "") -> Line2D:
+    """A driven path in its world with start, end and goal."""
+    draw_world(ax, world)
+    line = draw_path(ax, run.poses, role=role, label=label)
+    draw_robot(ax, run.poses[-1], run.radius)
+    ax.plot(*run.poses[0, :2], "s", color=COLORS["robot"], zorder=5)
+    draw_goal(ax, run.goal)
+    if title:
+        ax.set_title(title)
+    return line
+
+
+def draw_run_speeds(axes: Sequence[Axes], run: Run, *, title: str = "") -> list[Line2D]:
+    """v and omega over time, on two axes."""
+    lines = []
+    names = ((0, "$v$ [m/s]", "robot"), (1, r"$\omega$ [rad/s]", "path"))
+    for ax, (k, label, role) in zip(axes, names, strict=True):
+        (line,) = ax.plot(run.t[:-1], run.commands[:, k], color=COLORS[role], linestyle="-", linewidth=1.2)
+        ax.set(ylabel=label, xlim=(0.0, max(run.duration, 1e-9)))
+        lines.append(line)
+    axes[-1].set_xlabel("t [s]")
+    if title:
+        axes[0].set_title(title)
+    return lines
+
+
+def draw_run_weights(ax: Axes, run: Run, *, title: str = "") -> list[Line2D]:
+    """The three weights over time; a grey floor where no rule fired."""
+    styles = (("alpha", r"$\alpha$ heading", "robot", "-"), ("beta", r"$\beta$ clearance", "path", "--"),
+              ("gamma", r"$\gamma$ speed", "reference", "-."))
+    lines = [ax.plot(run.t[:-1], run.log[name], color=COLORS[role], linestyle=dash, label=label)[0]
+             for name, label, role, dash in styles]
+    bare = run.log["uncovered"] > 0
+    ax.fill_between(run.t[:-1], 0.0, 1.0, where=bare, color=COLORS["unknown"], alpha=0.5, linewidth=0, zorder=0,
+                    label="no rule fires", step="mid")
+    ax.set(xlabel="t [s]", ylabel="weight", ylim=(0.0, 1.0), xlim=(0.0, max(run.duration, 1e-9)))
+    if title:
+        ax.set_title(title)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=4)
+    return lines
+
+
+def draw_success(ax: Axes, table: pd.DataFrame, labels: Sequence[str] | None = None) -> list[Artist]:
+    """Success rates by method and density with 95 % Wilson intervals."""
+    densities = list(dict.fromkeys(table["density"]))
+    methods = list(dict.fromkeys(table["method"]))
+    made: list[Artist] = []
+    for k, density in enumerate(densities):
+        rows = table[table["density"] == density]
+        rates = [proportion(int(g["success"].sum()), len(g)) for _, g in rows.groupby("method", sort=False)]
+        rate, low, high = np.array(rates).T
+        y = np.arange(len(methods)) + 0.25 * (k - 1)
+        color = (COLORS["accent"], COLORS["robot"], COLORS["obstacle"])[k % 3]
+        bars = ax.barh(y, rate, height=0.23, color=color, xerr=np.maximum([rate - low, high - rate], 0.0),
+                       error_kw={"elinewidth": 1.0}, label=f"{100 * float(density):.0f} % blocked")
+        made += list(bars)
+    ax.set_yticks(range(len(methods)), labels or methods)
+    ax.invert_yaxis()
+    ax.set(xlabel="share of maps on which the goal was reached", xlim=(0.0, 1.0))
+    ax.legend(loc="lower right")
+    return made
+
+
+def save_gif(run: Run, world: World, path: str | Path, *, every: int = 5, dpi: int = 60) -> Path:
+    """Write a run as an animated GIF, one picture for every n-th step; the moving parts are drawn anew each time."""
+    from fuzzynav.plot.blit import Blit
+    from fuzzynav.plot.dwa_labs import run_player
+
+    if every < 1:
+        raise ValueError(f"every must be at least 1, got {every}")
+    blit = Blit((5.0, 5.0), dpi=dpi)
+    update = run_player(run, world)(blit.figure)
+    frames = []
+    for k, _, _ in run.frames(every):
+        artists, _ = update(frame=k)
+        frames.append(Image.open(io.BytesIO(blit.png(artists))).convert("P"))
+    target = Path(path)
+    pause = max(int(1000 * run.dt * every), 20)
+    frames[0].save(target, save_all=True, append_images=frames[1:], duration=pause, loop=0)
+    return target
