@@ -64,7 +64,7 @@ def braking(last: ArrayLike, robot: Robot, dt: float) -> Array:
 class Mpc(Tracker):
     """Linear time-varying MPC about the reference, with limits on v, omega and both accelerations.
 
-    The state is the last command, a flag that there was one, and the last answer (the warm start). `status` is
+    The state is the last command, a flag that there was one, and the last answer (the warm start). `outcome` is
     'solved', 'infeasible' or 'not converged' after each call; in the last two cases the command brakes.
     """
 
@@ -73,7 +73,7 @@ class Mpc(Tracker):
     def __init__(self, reference: Reference, params: MpcParams | None = None, robot: Robot = TURTLEBOT2,
                  dt: float = 0.1) -> None:
         self.params = params or MpcParams()
-        self.status = "solved"
+        self.outcome = "solved"
         super().__init__(reference, np.zeros(1), robot, dt)
         held = np.repeat(self.rows[-1:], self.params.horizon, axis=0)
         held[:, [2, 3, 4, 5, 7, 8]] = 0.0  # beyond its end the reference stands still
@@ -87,7 +87,12 @@ class Mpc(Tracker):
     def reset(self) -> None:
         """Forget the run before."""
         super().reset()
-        self.status = "solved"
+        self.outcome = "solved"
+
+    @property
+    def evidence(self) -> dict[str, float]:
+        """Whether the last program was solved, 1 or 0, for the record of a run."""
+        return {"mpc_solved": float(self.outcome == "solved")}
 
     def _terminal(self) -> Array:
         """Cost to go (3, 3) after the horizon: that of the LQR at the mean speed, Q where that is at rest."""
@@ -115,10 +120,10 @@ class Mpc(Tracker):
         error = np.array([c * dx + s * dy, -s * dx + c * dy, float(wrap(p[2] - now[6]))])
         last = state[:2] if state[2] else now[7:9]
         self._problem.pose(error, last, row[:, 7:9])
-        x, y, self.status = self._problem.solve(state[3 : 3 + 5 * n], state[3 + 5 * n :])
+        x, y, self.outcome = self._problem.solve(state[3 : 3 + 5 * n], state[3 + 5 * n :])
         after = np.zeros_like(state)
         command = braking(last, self.robot, self.dt)
-        if self.status == "solved":
+        if self.outcome == "solved":
             command = now[7:9] + x[3 * n : 3 * n + 2]
             after[3:] = np.concatenate([x, y])
         after[:2], after[2] = command, 1.0

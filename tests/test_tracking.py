@@ -1,5 +1,6 @@
 """Tracking laws: known answers, invariances, energies, limits, agreement between independent solutions, bad input."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +10,12 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from fuzzynav import curves, reference, tracking
+from fuzzynav import curves, reference, simulate, tracking
 from fuzzynav.geometry import Array, compose, length, wrap
 from fuzzynav.laws import _limit, limits_of
 from fuzzynav.robot import PIONEER_3DX, THESIS, TURTLEBOT2, limit, pose_rate, respects_limits
 from fuzzynav.tracker import NO_RATES
+from fuzzynav.world import World
 
 EIGHT = reference.FigureEight()
 SHORT = reference.FigureEight(duration=30.0)
@@ -259,6 +261,28 @@ def test_the_plant_is_the_exact_arc() -> None:
     assert length(trace.poses) < trace.length
 
 
+@pytest.mark.parametrize("maker", [m for m in ALL if m is not tracking.Lqr], ids=lambda m: m.__name__)
+def test_the_course_loop_gives_the_same_run(maker: type[tracking.Tracker]) -> None:
+    ref = reference.spline([[0, 0], [1, 0], [2, 1], [3, 1]], 0.3)  # from rest, as the course's loop starts
+    start = np.array([0.05, -0.05, 0.2])
+    whole = simulate.run(World(), TURTLEBOT2, maker(ref), start, [9.0, 9.0], dt=0.1, t_max=ref.duration)
+    ours = tracking.follow(maker(ref), start)
+    assert whole.status == "timeout"
+    assert whole.poses == pytest.approx(ours.poses, abs=1e-9)
+    assert whole.commands == pytest.approx(ours.commands, abs=1e-9)
+
+
+def test_a_lap_takes_well_under_fifty_milliseconds() -> None:
+    law = tracking.Dfl(EIGHT)
+    tracking.follow(law)
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        tracking.follow(law)
+        times.append(time.perf_counter() - begin)
+    assert min(times) < 0.025
+
+
 # --- Kanayama, PID, sliding mode -----------------------------------------------------------------
 
 
@@ -472,10 +496,10 @@ def test_mpc_keeps_limits_that_the_wish_would_break_and_names_what_cannot_be() -
     state = law.start()
     state[:3] = [0.6, 0.0, 1.0]  # far above its limit: it cannot be inside after one step
     command, _ = law.step(state, [0.0, 0.0, 0.0], law.row(0.0))
-    assert law.status == "infeasible"
+    assert law.outcome == "infeasible"
     assert command == pytest.approx([0.59, 0.0])
     law.reset()
-    assert law.status == "solved"
+    assert law.outcome == "solved"
 
 
 def test_mpc_warm_start_saves_iterations_and_reset_forgets_it() -> None:
