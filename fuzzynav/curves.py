@@ -18,7 +18,7 @@ from fuzzynav.geometry import Array
 __all__ = ["CircleCurve", "Curve", "LineCurve", "SpeedProfile", "SplineCurve", "chain"]
 
 
-def positive(**values: float) -> None:
+def positive(values: dict[str, float]) -> None:
     """Raise ValueError that names the first value which is not positive and finite."""
     for name, value in values.items():
         if not (np.isfinite(value) and value > 0):
@@ -48,7 +48,7 @@ class SpeedProfile:
     @classmethod
     def rest_to_rest(cls, length: float, cruise: float, ramp: float = 2.0) -> SpeedProfile:
         """From rest over `length` [m] to rest, at most at `cruise` [m/s]; speeding up takes `ramp` [s]."""
-        positive(length=length, cruise=cruise, ramp=ramp)
+        positive({"length": length, "cruise": cruise, "ramp": ramp})
         if length <= cruise * ramp:  # too short to reach the cruising speed
             return cls([0.0, ramp, 2.0 * ramp], [0.0, length / ramp, 0.0])
         plateau = length / cruise - ramp

@@ -190,7 +190,7 @@ class FigureEight(Reference):
     duration: float = 126.0  # [s]
 
     def __post_init__(self) -> None:
-        positive(amplitude=self.amplitude, duration=self.duration)
+        positive({"amplitude": self.amplitude, "duration": self.duration})
 
     def flat(self, t: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)`."""
