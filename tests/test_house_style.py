@@ -25,13 +25,13 @@ ROWS = [
 ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 # helpers of a topic stand in its row
 TOPIC = {
-    "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping", "mapkinds": "mapping",
-    "particles": "localization",
+    "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping",
+    "mapkinds": "mapping", "particles": "localization",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
     "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
     "mpc": "tracking", "observers": "tracking", "loop": "tracking", "tracker": "tracking",
     "dwa_contact": "dwa", "dwa_kernels": "dwa", "dwa_steps": "dwa", "fuzzy_dwa": "dwa",
-    "recorder": "simulate", "avoidance": "fusion",
+    "recorder": "simulate", "avoidance": "fusion", "obstacle_points": "fusion",
 }
 # these catch what a reader's own code may raise, and turn it into a sentence
 MAY_CATCH_ALL = {"batch.py"}
