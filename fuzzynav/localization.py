@@ -19,6 +19,7 @@ from fuzzynav.robot import move
 __all__ = [
     "Belief", "Correction", "LandmarkSensor", "MotionNoise", "Track", "correct", "dead_reckoning", "ellipse",
     "expected", "motion_jacobians", "nees", "nees_bounds", "predict", "sample_motions", "see_landmarks", "track",
+    "trilaterate",
 ]
 
 
@@ -246,6 +247,29 @@ def correct(
     ekf.update(z.ravel(), _sighting_jacobian, lambda x, m: expected(x, m).ravel(), args=(seen,), hx_args=(seen,),
                residual=_sighting_residual)
     return Correction(Belief(ekf.x, ekf.P), ekf.y.reshape(-1, 2), float(ekf.y @ ekf.SI @ ekf.y))
+
+
+def trilaterate(anchors: ArrayLike, ranges: ArrayLike) -> Array:
+    """Position (2,) [m] from measured distances `(n,)` [m] to known anchors `(n, 2)` [m], by least squares.
+
+    This is what a GPS receiver does with its ranges, and it is trilateration: no angle is measured (errata T68).
+    Raises ValueError for fewer than three ranges, or anchors on one line.
+
+    >>> trilaterate([[0, 0], [4, 0], [0, 3]], [2.5, 2.5, 2.5]).round(6).tolist()
+    [2.0, 1.5]
+    """
+    a, r = np.asarray(anchors, dtype=float).reshape(-1, 2), np.asarray(ranges, dtype=float).ravel()
+    if len(a) < 3 or r.shape != (len(a),) or not (np.isfinite(a).all() and np.isfinite(r).all() and np.all(r >= 0)):
+        raise ValueError(f"at least three finite anchors with a distance each expected, got {len(a)} and {len(r)}")
+    if np.linalg.matrix_rank(a - a.mean(axis=0), tol=1e-9 * np.abs(a).max()) < 2:
+        raise ValueError("the anchors lie on one line: the position could be on either side of it")
+    right = (a[1:] ** 2).sum(axis=1) - (a[0] ** 2).sum() - r[1:] ** 2 + r[0] ** 2
+    at = np.linalg.lstsq(2.0 * (a[1:] - a[0]), right, rcond=None)[0]  # the circles' common chords
+    for _ in range(20):
+        gap = at - a
+        far = np.maximum(np.hypot(gap[:, 0], gap[:, 1]), 1e-12)
+        at = at + np.linalg.lstsq(gap / far[:, None], r - far, rcond=None)[0]
+    return np.asarray(at)
 
 
 # --- honesty -----------------------------------------------------------------------------------

@@ -67,7 +67,7 @@ def places(grid: GridMap, door: float) -> Places:
         raise ValueError(f"no free ground is wider than {door} m")
     labels = _grown(labels.astype(np.int64), ~grid.occupied)
     peaks = ndimage.maximum_position(field, labels, np.arange(1, count + 1))
-    areas = np.bincount(labels.ravel(), minlength=count + 1)[1:] * grid.resolution**2
+    areas = np.asarray(np.bincount(labels.ravel(), minlength=count + 1)[1:] * grid.resolution**2, dtype=float)
     pairs, doors = _contacts(labels, grid)
     return Places(labels, grid.center_of(np.array(peaks)[:, ::-1]), areas, pairs, doors)
 

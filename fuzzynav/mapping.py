@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
+from scipy.special import expit
 
 from fuzzynav.geometry import Array
 from fuzzynav.gridmap import GridMap
@@ -36,7 +37,7 @@ def log_odds(chance: ArrayLike) -> Array:
 
 def probability(odds: ArrayLike) -> Array:
     """Chance from the logarithm of its odds, the inverse of `log_odds`."""
-    return 1.0 / (1.0 + np.exp(-np.asarray(odds, dtype=float)))
+    return np.asarray(expit(np.asarray(odds, dtype=float)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

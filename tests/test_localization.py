@@ -378,3 +378,23 @@ def test_bad_swarms_are_refused() -> None:
         mcl.Swarm(np.full((1, 3), np.nan), np.ones(1))
     with pytest.raises(ValueError, match="motion"):
         mcl.drift(mcl.scatter(GRID, 2, rng), [np.inf, 0.0], NOISE, rng)
+
+
+# --- position from distances
+
+
+@given(st.integers(0, 2**32))
+def test_distances_to_anchors_give_the_position(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    anchors = np.array([[0.0, 0.0], [10.0, 0.0], [3.0, 8.0], [9.0, 7.0]]) + rng.uniform(-1, 1, (4, 2))
+    at = rng.uniform(-5, 15, 2)
+    assert loc.trilaterate(anchors, np.hypot(*(anchors - at).T)) == pytest.approx(at, abs=1e-6)
+
+
+@pytest.mark.parametrize(("anchors", "ranges", "words"), [
+    ([[0, 0], [1, 0]], [1, 1], "three"), ([[0, 0], [1, 1], [2, 2]], [1, 1, 1], "one line"),
+    ([[0, 0], [1, 0], [0, 1]], [1, 1], "three"), ([[0, 0], [1, 0], [0, 1]], [1, np.nan, 1], "finite"),
+])
+def test_positions_that_distances_cannot_give(anchors: list, ranges: list, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        loc.trilaterate(anchors, ranges)

@@ -86,10 +86,10 @@ def tour_scans(laser: Laser, seed: int = 0, every: int = 1) -> tuple[Array, list
     return poses, [laser_scan(world, pose, laser, rng) for pose in poses]
 
 
-def random_walks(motions: Array, noise: MotionNoise, walks: int, seed: int = 0) -> Array:
-    """Final poses `(walks, 3)` of robots that meant to make the motions and made noisy ones, from the origin."""
+def random_walks(start: Array, motions: Array, noise: MotionNoise, walks: int, seed: int = 0) -> Array:
+    """Final poses `(walks, 3)` of robots that meant to make the motions and made noisy ones, all from `start`."""
     rng = np.random.default_rng(seed)
-    poses = np.zeros((walks, 3))
+    poses = np.tile(np.asarray(start, dtype=float), (walks, 1))
     for motion in motions:
         poses = move(poses, sample_motions(np.broadcast_to(motion, (walks, 2)), noise, rng), 1.0)
     return poses
@@ -108,6 +108,7 @@ def lap(laps: int = 1, steps: int = 60) -> Array:
 
 def ekf_run(
     sensor: LandmarkSensor, noise: MotionNoise = NOISE, trust: float = 1.0, laps: int = 1, seed: int = 0,
+    beacons: Array = BEACONS,
 ) -> tuple[Array, Track, Array]:
     """True poses `(n, 3)`, the filter's track and its NEES `(n,)` for laps of the hall.
 
@@ -124,8 +125,8 @@ def ekf_run(
     for k, motion in enumerate(told, start=1):
         belief = predict(beliefs[-1], motion, noise)
         if k % 2 == 0:
-            ids, measured = see_landmarks(truth[k], BEACONS, sensor, rng)
-            belief = correct(belief, ids, measured, BEACONS, believed).belief
+            ids, measured = see_landmarks(truth[k], beacons, sensor, rng)
+            belief = correct(belief, ids, measured, beacons, believed).belief
         beliefs.append(belief)
     found = track(beliefs)
     return truth, found, nees(truth, found.means, found.covariances)
