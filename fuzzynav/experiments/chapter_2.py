@@ -15,7 +15,8 @@ import numpy as np
 from fuzzynav.experiments.reproduction import Reproduction
 from fuzzynav.fuzzy import FuzzySystem, Rule, RuleBlock, Term, Variable
 
-__all__ = ["REPRODUCTIONS", "SpeedSets", "planner", "rule_base", "speed_system"]
+__all__ = ["REPRODUCTIONS", "SpeedSets", "arrangements", "planner", "rule_base", "speed_system",
+           "sugeno_speed"]
 
 FOLDER = Path(__file__).resolve().parents[2] / "data" / "fuzzy"
 
@@ -56,7 +57,7 @@ def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
     The universe of `distance`, 0 to 4 m with Near, Medium and Far, is the example that the thesis prints.
 
     >>> round(speed_system()(1.5, 30.0)[0], 3)
-    0.252
+    0.284
     """
     s = chosen or SpeedSets()
     distance = Variable(name="distance", low=0.0, high=4.0, unit="m", terms=(
@@ -78,6 +79,40 @@ def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
 @cache
 def _speed_rules() -> tuple[Rule, ...]:
     return tuple(Rule.parse(text) for text in SPEED_RULES)
+
+
+def sugeno_speed() -> FuzzySystem:
+    """Speed [m/s] from the distance [m] of an obstacle by three Takagi-Sugeno rules: 0.1, 0.15 distance, 0.6; ours.
+
+    >>> round(sugeno_speed()(1.0)[0], 3)
+    0.125
+    """
+    distance = speed_system().inputs[0]
+    terms = (
+        Term(name="Crawl", shape="constant", parameters=(0.1,)),
+        Term(name="Follow", shape="linear", parameters=(0.15, 0.0)),
+        Term(name="Cruise", shape="constant", parameters=(0.6,)),
+    )
+    speed = Variable(name="speed", low=0.0, high=0.6, unit="m/s", terms=terms, defuzzifier="weighted average")
+    pairs = (("Near", "Crawl"), ("Medium", "Follow"), ("Far", "Cruise"))
+    rules = tuple(Rule.parse(f"if distance is {a} then speed is {b}") for a, b in pairs)
+    return FuzzySystem(name="sugeno", inputs=(distance,), outputs=(speed,),
+                       blocks=(RuleBlock(name="rules", rules=rules),), description="ours, to learn with")
+
+
+def arrangements() -> dict[str, Variable]:
+    """Three ways to lay three sets over the distance [m]: symmetric, too little overlap, too much; ours."""
+    corners = {
+        "symmetric, crossing at 0.5": ((0, 0, 0, 2), (0, 2, 2, 4), (2, 4, 4, 4)),
+        "too little overlap: gaps": ((0, 0, 0, 0.8), (1.2, 2, 2, 2.8), (3.2, 4, 4, 4)),
+        "too much overlap: at full height": ((0, 0, 1.6, 3.2), (0.4, 1.2, 2.8, 3.6), (0.8, 2.4, 4, 4)),
+    }
+    names = ("Near", "Medium", "Far")
+    return {
+        title: Variable(name="distance", low=0.0, high=4.0, unit="m", terms=tuple(
+            Term(name=n, shape="trapezoid", parameters=c) for n, c in zip(names, rows, strict=True)))
+        for title, rows in corners.items()
+    }
 
 
 @cache

@@ -21,7 +21,8 @@ from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, CYCLE, arrow, block, diagram
 
 __all__ = [
-    "draw_controller", "draw_defuzzified", "draw_gaps", "draw_inference", "draw_operators", "draw_output",
+    "draw_controller", "draw_defuzzified", "draw_fuzzy_reading", "draw_gaps", "draw_inference", "draw_operators",
+    "draw_output",
     "draw_reading", "draw_relation", "draw_rule_by_rule", "draw_set_notions", "draw_surface", "draw_terms",
     "membership_axes", "outline",
 ]
@@ -76,8 +77,31 @@ def draw_reading(ax: Axes, variable: Variable, value: float) -> list[Artist]:
     for k, m in enumerate(degrees):
         if m > 0.0:
             dots += ax.plot([value], [m], marker="o", color=CYCLE[k % len(CYCLE)], linestyle="", zorder=6)
-            ax.text(value, m, f" {m:.2f}", va="bottom", ha="left", fontsize=9)
+        if m >= 0.02:
+            _degree(ax, value, float(m))
     return [line, *dots]
+
+
+def _degree(ax: Axes, x: float, m: float) -> None:
+    """A degree written beside its dot."""
+    ax.annotate(f"{m:.2f}", (x, m), xytext=(7, -2), textcoords="offset points", va="center", fontsize=9, zorder=7,
+                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5})
+
+
+def draw_fuzzy_reading(ax: Axes, variable: Variable, reading: Term) -> list[Artist]:
+    """An uncertain reading over the terms: its set, shaded, and a dot where it meets each term highest (sup-min)."""
+    x = np.linspace(variable.low, variable.high, 2001)
+    mu = reading.membership(x)
+    shade = Polygon(outline(x, mu), facecolor=COLORS["unknown"], alpha=0.5, edgecolor="black")
+    ax.add_patch(shade)
+    dots = []
+    for k, term in enumerate(variable.terms):
+        both = np.minimum(mu, term.membership(x))
+        at = int(both.argmax())
+        if both[at] > 0.0:
+            dots += ax.plot([x[at]], [both[at]], marker="o", color=CYCLE[k % len(CYCLE)], linestyle="", zorder=6)
+            _degree(ax, float(x[at]), float(both[at]))
+    return [shade, *dots]
 
 
 def draw_set_notions(ax: Axes, variable: Variable, term: Term, alpha: float) -> Line2D:
@@ -238,7 +262,7 @@ def draw_surface(ax: Axes, x: ArrayLike, y: ArrayLike, z: ArrayLike, *, labels: 
 
 
 def draw_gaps(ax: Axes, system: FuzzySystem, across: str, up: str, **others: float) -> AxesImage:
-    """Strength of the strongest rule over two inputs, the others fixed; white where no rule fires."""
+    """Strength of the strongest rule over two inputs, the others fixed; orange where no rule fires."""
     by_name = {v.name: v for v in system.inputs}
     x, y = (np.linspace(by_name[name].low, by_name[name].high, 91) for name in (across, up))
     readings: dict[str, Any] = {across: x[None, :], up: y[:, None], **others}
@@ -246,5 +270,5 @@ def draw_gaps(ax: Axes, system: FuzzySystem, across: str, up: str, **others: flo
     right, above = (f"{n} [{by_name[n].unit}]" if by_name[n].unit else n for n in (across, up))
     image = draw_surface(ax, x, y, np.ma.masked_equal(strength, 0.0),
                          labels=(right, above, "strongest rule"), limits=(0.0, 1.0))
-    ax.set_facecolor("white")
+    ax.set_facecolor(COLORS["path"])
     return image

@@ -142,9 +142,9 @@ def gap_lab(figure: Figure) -> Update:
     ax = figure.add_subplot()
     heading, speed = np.linspace(0.0, 180.0, 61), np.linspace(0.0, 1.0, 61)
     image = draw_surface(ax, heading, speed, np.zeros((61, 61)), limits=(0.0, 1.0),
-                         labels=("headGoal [deg]", "velRob [m/s]", "strongest rule (white: none)"))
-    ax.set_facecolor("white")
-    (mark,) = ax.plot([], [], marker="o", linestyle="", color=COLORS["path"], markeredgecolor="white", markersize=9)
+                         labels=("headGoal [deg]", "velRob [m/s]", "strongest rule (orange: none)"))
+    ax.set_facecolor(COLORS["path"])
+    (mark,) = ax.plot([], [], marker="o", linestyle="", color="white", markeredgecolor="black", markersize=9)
 
     def update(head_goal: float, vel_rob: float, dist_obs: float, width: float) -> tuple[list[Artist], str]:
         system = widened(rule_base("thesis_table_3_2"), width)
