@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzynav.gridkernels import _clear
 from fuzzynav.gridmap import GridMap
 
 __all__ = ["best_shortcut", "key_nodes", "prune", "remove_collinear", "shorten", "shorten_as_printed"]
@@ -43,6 +44,8 @@ def key_nodes(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str
     path that is not free itself.
     """
     path = _free_path(cells, grid, radius, corners)
+    if len(path) < 3:
+        return path
     kept = [0]
     for b in range(1, len(path) - 1):
         a, c = path[kept[-1]], path[b + 1]
@@ -50,7 +53,7 @@ def key_nodes(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str
         collinear = one[0] * two[1] == one[1] * two[0] and (one * two).sum() > 0
         if not (collinear or _free(grid, a, c, radius, corners)):
             kept.append(b)
-    return path[kept + [len(path) - 1] * (len(path) > 1)]
+    return path[kept + [len(path) - 1]]
 
 
 def shorten(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str = "permissive") -> Cells:
@@ -60,23 +63,27 @@ def shorten(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str =
     section 4.2.2.2, step 2 (errata T22: printed is a restart from N_k). Raises ValueError as key_nodes.
     """
     path = _free_path(cells, grid, radius, corners)
+    if len(path) < 3:
+        return path
     kept = [0]
     for k in range(2, len(path)):
         if not _free(grid, path[kept[-1]], path[k], radius, corners):
             kept.append(k - 1)
-    return path[kept + [len(path) - 1] * (len(path) > 1)]
+    return path[kept + [len(path) - 1]]
 
 
 def shorten_as_printed(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str = "permissive") -> Cells:
     """Step 2 as the thesis prints it: keep N_(k-1), restart from N_k, which stays on the path (errata T22)."""
     path = _free_path(cells, grid, radius, corners)
+    if len(path) < 3:
+        return path
     kept, base = [0], 0
     for k in range(2, len(path)):
         if k > base + 1 and not _free(grid, path[base], path[k], radius, corners):
             kept += [k - 1, k]
             base = k
     kept.append(len(path) - 1)
-    return path[np.unique(kept)] if len(path) else path
+    return path[np.unique(kept)]
 
 
 def best_shortcut(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str = "permissive") -> Cells:
@@ -122,11 +129,14 @@ def _path(cells: ArrayLike) -> Cells:
 
 def _free_path(cells: ArrayLike, grid: GridMap, radius: float, corners: str) -> Cells:
     path = _path(cells)
+    grid.clear_line(grid.origin, grid.origin, radius, corners)  # refuses a bad radius or rule
     for a, b in pairwise(path):
         if not _free(grid, a, b, radius, corners):
             raise ValueError(f"the leg from cell {a.tolist()} to {b.tolist()} is not free at radius {radius} m")
     return path
 
 
-def _free(grid: GridMap, a: ArrayLike, b: ArrayLike, radius: float, corners: str) -> bool:
-    return grid.clear_line(grid.center_of(a), grid.center_of(b), radius, corners)
+def _free(grid: GridMap, a: Cells, b: Cells, radius: float, corners: str) -> bool:
+    """As GridMap.clear_line between two cell centres, without its checks."""
+    return bool(_clear(grid.occupied, a[0] + 0.5, a[1] + 0.5, b[0] + 0.5, b[1] + 0.5, radius / grid.resolution,
+                       corners == "strict"))

@@ -71,6 +71,17 @@ def test_simplified_paths_are_free_and_no_longer(seed: int, radius: float) -> No
     assert lengths["best_shortcut"] <= min(lengths.values()) + 1e-9
 
 
+@pytest.mark.parametrize("name", ["key_nodes", "prune", "shorten", "best_shortcut", "shorten_as_printed"])
+def test_paths_too_short_to_simplify_pass_as_they_are(name: str) -> None:
+    grid = GridMap(np.zeros((3, 3), dtype=bool))
+    for cells in (np.empty((0, 2), dtype=int), [[1, 1]], [[0, 0], [1, 1]]):
+        assert getattr(simplify, name)(cells, grid).tolist() == np.asarray(cells).tolist()
+    with pytest.raises(ValueError, match="radius"):
+        getattr(simplify, name)([[0, 0], [1, 1]], grid, -1.0)
+    with pytest.raises(ValueError, match="corners"):
+        getattr(simplify, name)([[0, 0], [1, 1]], grid, 0.0, "soft")
+
+
 def test_a_blocked_path_is_refused() -> None:
     grid = GridMap.from_ascii("...\n.#.\n...")
     with pytest.raises(ValueError, match="not free"):
