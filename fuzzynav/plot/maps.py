@@ -51,7 +51,7 @@ def filter_cycle(ax: Axes) -> None:
     """The right half of figure 1.9: odometry predicts, sensors and map correct, and the belief goes round."""
     diagram(ax, 10.0, 6.0)
     wheels = block(ax, (1.6, 4.8), "odometry\n(encoders)")
-    sensors = block(ax, (1.6, 1.2), "scan, beacons,\nGPS, camera")
+    sensors = block(ax, (1.6, 1.2), "scan, beacons,\nGPS, camera", size=(2.6, 0.9))
     predict = block(ax, (5.0, 4.8), "predict", role="robot")
     correct = block(ax, (5.0, 1.2), "correct", role="path")
     known = block(ax, (8.5, 1.2), "map")
