@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, PPoly, make_interp_spline
+from scipy.interpolate import BPoly, BSpline, PPoly, make_interp_spline
 
 from fuzzynav.geometry import Array
 
@@ -137,7 +137,7 @@ class SplineCurve(Curve):
             raise ValueError(f"way-points {int(chords.argmin())} and {int(chords.argmin()) + 1} coincide")
         u = np.concatenate([[0.0], np.cumsum(chords)])
         self._curve: BSpline = make_interp_spline(u, p, k=min(5, len(p) - 1))
-        stations = np.unique(np.concatenate([np.linspace(a, b, 121) for a, b in itertools.pairwise(u)]))
+        stations = np.unique(np.concatenate([np.linspace(a, b, 81) for a, b in itertools.pairwise(u)]))
         nodes, weights = np.polynomial.legendre.leggauss(6)
         half = np.diff(stations)[:, None] / 2.0
         d1 = self._curve.derivative()(stations[:-1, None] + half * (nodes + 1.0))
@@ -146,7 +146,12 @@ class SplineCurve(Curve):
             where = p[max(int(np.searchsorted(u, stations[int(rate.min(axis=1).argmin())], side="right")) - 1, 0)]
             raise ValueError(f"the curve turns back on itself near way-point {where.tolist()}: move it or add one")
         s = np.concatenate([[0.0], np.cumsum((rate * weights * half).sum(axis=1))])
-        self._parameter: BSpline = make_interp_spline(s, stations, k=5)
+        # local quintics that match du/ds and d2u/ds2 as well: no ringing next to a sharp turn
+        p1, p2 = self._curve(stations, nu=1), self._curve(stations, nu=2)
+        squared = (p1**2).sum(axis=1)
+        self._parameter = BPoly.from_derivatives(
+            s, np.stack([stations, squared**-0.5, -(p1 * p2).sum(axis=1) / squared**2], axis=1)
+        )
         self.length = float(s[-1])
 
     def derivatives(self, s: ArrayLike) -> Array:

@@ -165,6 +165,51 @@ def _law(
     out[1] = _clip(out[1], -lim[2], lim[2])
 
 
+@njit(cache=True)
+def _sampled(v: float, omega: float, dt: float, out: Array) -> None:
+    """Model numbers (15,) of one step: A row by row (9), then B row by row (6)."""
+    a = omega * dt
+    if abs(a) < 1e-3:  # series: the closed form would divide 0 by 0
+        s, c1, r = 1.0 - a * a / 6.0, a / 2.0 - a**3 / 24.0, a / 6.0 - a**3 / 120.0
+        q = 0.5 - a * a / 24.0
+    else:
+        s, c1, r = np.sin(a) / a, (1.0 - np.cos(a)) / a, (a - np.sin(a)) / (a * a)
+        q = (1.0 - np.cos(a)) / (a * a)
+    cos, sin, step = np.cos(a), np.sin(a), v * dt
+    out[0], out[1], out[2] = cos, sin, step * c1
+    out[3], out[4], out[5] = -sin, cos, step * s
+    out[6], out[7], out[8] = 0.0, 0.0, 1.0
+    out[9], out[10] = dt * s, step * dt * r
+    out[11], out[12] = -dt * c1, step * dt * q
+    out[13], out[14] = 0.0, dt
+
+
+@njit(cache=True)
+def _horizon(
+    error: Array, last: Array, wanted: Array, dt: float, bounds: Array, numbers: Array, low: Array, high: Array
+) -> None:
+    """The numbers of one predictive program: model (15 N, negated) and the bounds of its rows (7 N).
+
+    bounds: slowest, fastest and greatest change of a step, `(3, 2)`.
+    """
+    n = wanted.shape[0]
+    for j in range(n):
+        _sampled(wanted[j, 0], wanted[j, 1], dt, numbers[15 * j : 15 * j + 15])
+    for r in range(3):
+        fixed = 0.0
+        for c in range(3):
+            fixed += numbers[3 * r + c] * error[c]
+        low[r], high[r] = fixed, fixed
+    for j in range(n):
+        for r in range(2):
+            before = last[r] if j == 0 else wanted[j - 1, r]
+            step, k = wanted[j, r] - before, 2 * j + r
+            low[3 * n + k], high[3 * n + k] = bounds[0, r] - wanted[j, r], bounds[1, r] - wanted[j, r]
+            low[5 * n + k], high[5 * n + k] = -bounds[2, r] - step, bounds[2, r] - step
+    for k in range(15 * n):
+        numbers[k] = -numbers[k]
+
+
 def limits_of(robot: Robot) -> Array:
     """The limits `(6,)` of a robot as the kernels read them: v low, v high, omega, gain, loss of v, of omega."""
     return np.array([robot.min_vel_x, robot.max_vel_x, robot.max_vel_theta,
@@ -251,3 +296,5 @@ def _warm() -> None:
     noise, slip, body = np.zeros((2, 3)), np.zeros((2, 2)), np.array([0.035, 0.23, 0.0])
     made = np.empty((3, 3)), np.empty((2, 2)), np.empty((2, 2))
     _run(KANAYAMA, np.ones(9), rows, np.zeros(3), noise, slip, 0, body, np.zeros(2), lim, 0.1, False, *made)
+    rows, numbers = np.ascontiguousarray(rows[:2, 7:9]), np.empty(30)
+    _horizon(np.zeros(3), np.zeros(2), rows, 0.1, np.zeros((3, 2)), numbers, np.zeros(14), np.zeros(14))

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from fuzzynav.geometry import Array
-from fuzzynav.laws import LQR
+from fuzzynav.laws import LQR, _sampled
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracker import Tracker
@@ -61,17 +61,12 @@ def error_model(v: ArrayLike, omega: ArrayLike) -> tuple[Array, Array]:
 
 
 def sampled_model(v: ArrayLike, omega: ArrayLike, dt: float) -> tuple[Array, Array]:
-    """The error model between samples dt [s] apart, commands held: A `(..., 3, 3)`, B `(..., 3, 2)`.
-
-    A power series to the fifth order in dt: exact to 1e-9 for |omega| dt below 0.1.
-    """
-    a, b = error_model(v, omega)
-    eye = np.broadcast_to(np.eye(3), a.shape)
-    integral, term = eye * dt, eye * dt
-    for k in (2, 3, 4, 5):
-        term = a @ term * (dt / k)
-        integral = integral + term
-    return eye + a @ integral, integral @ b
+    """The error model between samples dt [s] apart, commands held: A `(..., 3, 3)`, B `(..., 3, 2)`, exactly."""
+    speed, turn = np.broadcast_arrays(np.asarray(v, dtype=float), np.asarray(omega, dtype=float))
+    numbers = np.empty((speed.size, 15))
+    for k, (one, other) in enumerate(zip(speed.ravel(), turn.ravel(), strict=True)):
+        _sampled(one, other, dt, numbers[k])
+    return numbers[:, :9].reshape(*speed.shape, 3, 3), numbers[:, 9:].reshape(*speed.shape, 3, 2)
 
 
 def riccati(a: Array, b: Array, weights: Weights) -> Array:

@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.linalg import solve_discrete_are
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.laws import MPC
+from fuzzynav.laws import MPC, _horizon
 from fuzzynav.lqr import LEAST_SPEED, Weights, sampled_model
 from fuzzynav.reference import Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
@@ -140,10 +140,12 @@ class _Problem:
     def __init__(self, params: MpcParams, robot: Robot, dt: float, terminal: Array) -> None:
         self.n, self.dt = params.horizon, dt
         n, w = self.n, params.weights
-        self.slow = np.array([robot.min_vel_x, -robot.max_vel_theta])
-        self.fast = np.array([robot.max_vel_x, robot.max_vel_theta])
-        self.change = np.array([min(robot.acc_lim_x, robot.dec_lim_x), robot.acc_lim_theta]) * dt
+        self.bounds = np.array([
+            [robot.min_vel_x, -robot.max_vel_theta], [robot.max_vel_x, robot.max_vel_theta],
+            [dt * min(robot.acc_lim_x, robot.dec_lim_x), dt * robot.acc_lim_theta],
+        ])
         self.matrix, self.places, self.sources = _pattern(n)
+        self.numbers, self.low, self.high = np.empty(15 * n), np.zeros(7 * n), np.zeros(7 * n)
         blocks = [w.q] * (n - 1) + [terminal] + [w.r] * n
         cost = sparse.triu(sparse.block_diag(blocks, format="csc"), format="csc")
         self.solver = osqp.OSQP()
@@ -157,16 +159,10 @@ class _Problem:
 
     def pose(self, error: Array, last: Array, wanted: Array) -> None:
         """Set the error now (3,), the last command (2,) and the reference's speeds (N, 2)."""
-        n = self.n
-        a, b = sampled_model(wanted[:, 0], wanted[:, 1], self.dt)
-        numbers = -np.concatenate([a.reshape(n, 9), b.reshape(n, 6)], axis=1).ravel()
-        self.matrix.data[self.places] = numbers[self.sources]
-        step = np.diff(wanted, axis=0, prepend=last[None])
-        fixed = np.zeros(3 * n)
-        fixed[:3] = a[0] @ error
-        low = np.concatenate([fixed, (self.slow - wanted).ravel(), (-self.change - step).ravel()])
-        high = np.concatenate([fixed, (self.fast - wanted).ravel(), (self.change - step).ravel()])
-        self.solver.update(Ax=self.matrix.data, l=low, u=high)
+        speeds = np.ascontiguousarray(wanted)
+        _horizon(error, np.ascontiguousarray(last), speeds, self.dt, self.bounds, self.numbers, self.low, self.high)
+        self.matrix.data[self.places] = self.numbers[self.sources]
+        self.solver.update(Ax=self.matrix.data, l=self.low, u=self.high)
 
     def solve(self, x: Array, y: Array) -> tuple[Array, Array, str]:
         """Answer, multipliers and status, starting from the last answer (all zero: from nothing)."""

@@ -38,6 +38,7 @@ def test_target_system_is_controllable_with_two_blocks() -> None:
     assert np.all(np.linalg.matrix_power(tracking.CHAINS.a, 2) == 0)
 
 
+@settings(max_examples=50, deadline=None)
 @given(angle, st.floats(-2, 2).filter(lambda v: abs(v) > 1e-3), unit, unit)
 def test_decoupling_matrix_and_its_inverse(theta: float, v: float, u1: float, u2: float) -> None:
     matrix = tracking.decoupling(theta, v)
@@ -58,6 +59,7 @@ def test_rest_has_no_inverse() -> None:
     assert np.isinf(tracking.yaw_rate_unguarded([0.0, 0.1], 0.0, 0.0))
 
 
+@settings(max_examples=40, deadline=None)
 @given(st.floats(-4, -0.1), st.floats(-4, -0.1), st.floats(0.1, 4))
 def test_gains_from_poles_give_these_poles(a: float, b: float, swing: float) -> None:
     for wanted in ([a, b], [a, a], [complex(a, swing), complex(a, -swing)]):
@@ -206,7 +208,7 @@ def test_a_step_changes_nothing_it_was_given(maker: type[tracking.Tracker]) -> N
     assert np.array_equal(first[1], second[1])
 
 
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(unit, unit, st.floats(-0.3, 0.3), unit, unit, st.sampled_from([TURTLEBOT2, PIONEER_3DX, THESIS]))
 def test_the_kernels_limits_are_those_of_the_robot(
     v: float, w: float, v0: float, w0: float, dt: float, robot: object
@@ -353,6 +355,7 @@ def test_printed_sliding_surfaces_hold_the_inputs_they_should_give() -> None:
     assert s[2] - s[0] == pytest.approx([0.2, -0.1, -1.0])  # ds2/domega = -e1: nothing on the path
 
 
+@settings(max_examples=40, deadline=None)
 @given(unit, unit, angle, st.floats(0.0, 0.6), st.floats(-1, 1))
 def test_kernels_give_what_the_plain_formulas_give(x: float, y: float, theta: float, v: float, omega: float) -> None:
     row = np.array([0.0, 0.0, v, 0.0, 0.0, 0.0, 0.0, v, omega])
@@ -410,6 +413,7 @@ def test_lqr_gain_solves_riccati_and_stabilises() -> None:
     assert np.linalg.eigvals(a - b @ gain).real.max() < 0.0
 
 
+@settings(max_examples=25, deadline=None)
 @given(unit, unit, unit, unit, unit)
 def test_bellman_residual_is_zero_at_the_optimum_and_nowhere_below(
     x: float, y: float, theta: float, dv: float, dw: float
@@ -441,6 +445,7 @@ def test_the_robot_at_rest_is_not_controllable() -> None:
         tracking.Lqr(stops)
 
 
+@settings(max_examples=30, deadline=None)
 @given(st.floats(-0.6, 0.6), st.floats(-1, 1))
 def test_sampled_model_is_the_matrix_exponential(v: float, omega: float) -> None:
     a, b = tracking.error_model(v, omega)
