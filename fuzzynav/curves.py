@@ -11,9 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BPoly, BSpline, PPoly, make_interp_spline
+from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from fuzzynav.geometry import Array
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 __all__ = ["CircleCurve", "Curve", "LineCurve", "SpeedProfile", "SplineCurve", "chain"]
 
@@ -137,29 +139,40 @@ class SplineCurve(Curve):
             raise ValueError(f"way-points {int(chords.argmin())} and {int(chords.argmin()) + 1} coincide")
         u = np.concatenate([[0.0], np.cumsum(chords)])
         self._curve: BSpline = make_interp_spline(u, p, k=min(5, len(p) - 1))
-        stations = np.unique(np.concatenate([np.linspace(a, b, 81) for a, b in itertools.pairwise(u)]))
-        nodes, weights = np.polynomial.legendre.leggauss(6)
-        half = np.diff(stations)[:, None] / 2.0
-        d1 = self._curve.derivative()(stations[:-1, None] + half * (nodes + 1.0))
-        rate = np.hypot(d1[..., 0], d1[..., 1])
+        self._stations = np.unique(np.concatenate([np.linspace(a, b, 41) for a, b in itertools.pairwise(u)]))
+        rate = np.hypot(*self._curve(np.linspace(0.0, u[-1], 200 * len(u)), nu=1).T)
         if rate.min() < 0.1:
-            where = p[max(int(np.searchsorted(u, stations[int(rate.min(axis=1).argmin())], side="right")) - 1, 0)]
+            where = p[max(int(np.searchsorted(u, u[-1] * rate.argmin() / len(rate), side="right")) - 1, 0)]
             raise ValueError(f"the curve turns back on itself near way-point {where.tolist()}: move it or add one")
-        s = np.concatenate([[0.0], np.cumsum((rate * weights * half).sum(axis=1))])
-        # local quintics that match du/ds and d2u/ds2 as well: no ringing next to a sharp turn
-        p1, p2 = self._curve(stations, nu=1), self._curve(stations, nu=2)
-        squared = (p1**2).sum(axis=1)
-        self._parameter = BPoly.from_derivatives(
-            s, np.stack([stations, squared**-0.5, -(p1 * p2).sum(axis=1) / squared**2], axis=1)
-        )
-        self.length = float(s[-1])
+        pieces = self._arc(self._stations[:-1], self._stations[1:])
+        self._lengths = np.concatenate([[0.0], np.cumsum(pieces)])
+        self.length = float(self._lengths[-1])
+
+    def _arc(self, start: Array, end: Array) -> Array:
+        """Arc length [m] between parameters `(...)` of one short piece, by Gauss-Legendre quadrature."""
+        half = (end - start)[..., None] / 2.0
+        d1 = self._curve(start[..., None] + half * (NODES + 1.0), nu=1)
+        return np.asarray((np.hypot(d1[..., 0], d1[..., 1]) * WEIGHTS * half).sum(axis=-1))
+
+    def _parameter(self, s: Array) -> Array:
+        """The spline's parameter at arc length s, by Newton steps from the table."""
+        k = np.clip(np.searchsorted(self._lengths, s, side="right") - 1, 0, len(self._stations) - 2)
+        first, base = self._stations[k], self._lengths[k]
+        u = first + (s - base) / (self._lengths[k + 1] - base) * (self._stations[k + 1] - first)
+        for _ in range(5):
+            d1 = self._curve(u, nu=1)
+            u = u - (base + self._arc(first, u) - s) / np.hypot(d1[..., 0], d1[..., 1])
+        return u
 
     def derivatives(self, s: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)`; s is held at the ends of the curve."""
-        along = np.clip(np.asarray(s, dtype=float), 0.0, self.length)
-        inner = np.stack([self._parameter(along, nu=k) for k in range(4)], axis=-1)
-        outer = np.stack([self._curve(inner[..., 0], nu=k) for k in range(4)], axis=-2)
-        return chain(outer, inner)
+        u = self._parameter(np.clip(np.asarray(s, dtype=float), 0.0, self.length))
+        outer = np.stack([self._curve(u, nu=k) for k in range(4)], axis=-2)
+        q1, q2, q3 = (outer[..., k, :] for k in (1, 2, 3))
+        n2, g = (q1**2).sum(axis=-1), (q1 * q2).sum(axis=-1)
+        change = (q2**2).sum(axis=-1) + (q1 * q3).sum(axis=-1)
+        u3 = (4.0 * g**2 / n2**3 - change / n2**2) / np.sqrt(n2)
+        return chain(outer, np.stack([u, n2**-0.5, -g / n2**2, u3], axis=-1))
 
 
 def chain(outer: Array, inner: Array) -> Array:

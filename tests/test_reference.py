@@ -38,7 +38,7 @@ def test_each_derivative_is_that_of_the_one_before(name: str) -> None:
     scale = np.abs(flat).max(axis=(0, 2)) + 1e-3
     for order in range(3):
         slope = (later[:, order] - before[:, order]) / (2 * h)
-        tolerance = 1e-3 if name == "spline" else 1e-5
+        tolerance = 1e-4 if name == "spline" else 1e-5
         assert np.abs(slope - flat[:, order + 1]).max() < tolerance * scale[order + 1] + 1e-6
 
 
@@ -128,7 +128,7 @@ def test_a_spline_passes_its_points_and_keeps_its_speed(points: list[tuple[float
     s = ref.sample(np.linspace(0.0, ref.duration, 4001))
     gaps = np.hypot(*(p[:, None] - s.position[None]).transpose(2, 0, 1)).min(axis=1)
     assert gaps.max() < 2e-3 * ref.curve.length + 1e-6
-    assert (np.abs(s.v) < cruise * 1.01 + 1e-9).all()
+    assert (np.abs(s.v) < cruise * (1.0 + 1e-6)).all()
     assert s.v[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-9)
     assert length(s.position) == pytest.approx(ref.length(), rel=1e-2)
 
