@@ -286,7 +286,7 @@ def test_explain_says_what_happened() -> None:
     assert "Rule 1 fires with 0.600: if a is Low and b is Low then y is High." in text
     assert "Rule 2 fires with 0.100" in text
     assert "y is Low to 0.100, High to 0.600; its centroid is" in text
-    assert "1 more rules fire, each with at most 0.100." in small.evaluate(0.1, 0.2).explain(rules=1)
+    assert "One more rule fires, with 0.100." in small.evaluate(0.1, 0.2).explain(rules=1)
     silent = small.evaluate(1.0, 0.0).explain()
     assert "No rule fires." in silent
     assert "stated default" in silent

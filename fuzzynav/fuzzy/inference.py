@@ -95,7 +95,9 @@ class Inference:
         order = [r for r in np.argsort(-self.firing, kind="stable") if self.firing[r] > 0.0]
         lines += [f"Rule {r + 1} fires with {self.firing[r]:.3f}: {self.rules[r]}." for r in order[:rules]]
         if len(order) > rules:
-            lines.append(f"{len(order) - rules} more rules fire, each with at most {self.firing[order[rules]]:.3f}.")
+            more, top = len(order) - rules, f"{self.firing[order[rules]]:.3f}"
+            lines.append(f"{more} more rules fire, each with at most {top}." if more > 1
+                         else f"One more rule fires, with {top}.")
         if not order:
             lines.append("No rule fires.")
         return "\n".join(lines + [self._answer(k) for k in range(len(self.outputs))])
