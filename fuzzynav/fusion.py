@@ -18,6 +18,7 @@ from fuzzynav import avoidance as kernels
 from fuzzynav.dfl import DflGains
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, wrap
+from fuzzynav.laws import DFL
 from fuzzynav.obstacle_points import MEMORY, _nearest_on, _remember
 from fuzzynav.reference import FigureEight, Reference
 from fuzzynav.robot import TURTLEBOT2, Robot
@@ -204,6 +205,8 @@ class SafeScheme:
 
 class _Blend(Tracker):
     """What both controllers share: the tracker below, the rule base, and evidence of the last step."""
+
+    kind = DFL
 
     def __init__(self, reference: Reference, system: FuzzySystem | None, gains: DflGains | None, robot: Robot,
                  dt: float) -> None:

@@ -62,13 +62,20 @@ def shade_avoidance(ax: Axes, run: FuzzyRun, *, label: str = "avoidance takes pa
         ax.axvspan(run.t[a], run.t[b], color=COLORS["unknown"], alpha=0.5, linewidth=0, label=label if k == 0 else "")
 
 
+def _legend_above(ax: Axes) -> None:
+    """A legend in room made for it above the curves."""
+    low, high = ax.get_ylim()
+    ax.set_ylim(low, high + 0.35 * (high - low))
+    ax.legend(loc="upper center", ncols=2, fontsize=7.5, columnspacing=1.0)
+
+
 def draw_blend_errors(ax: Axes, run: FuzzyRun) -> list[Line2D]:
     """Errors of x, y [m] and theta [rad] over time, the time of avoidance shaded."""
     shade_avoidance(ax, run)
     names = ("$x_d - x$ [m]", "$y_d - y$ [m]", r"$\theta_d - \theta$ [rad]")
     lines = [ax.plot(run.t[:-1], e, label=name)[0] for e, name in zip(run.errors.T, names, strict=True)]
     ax.set(xlabel="t [s]", ylabel="error [m, rad]")
-    ax.legend(loc="upper right", fontsize=8)
+    _legend_above(ax)
     return lines
 
 
@@ -78,7 +85,7 @@ def draw_blend_speeds(ax: Axes, run: FuzzyRun) -> list[Line2D]:
     lines = [ax.plot(run.t[:-1], run.commands[:, 0], label="v [m/s]")[0],
              ax.plot(run.t[:-1], run.commands[:, 1], label=r"$\omega$ [rad/s]")[0]]
     ax.set(xlabel="t [s]", ylabel="v [m/s], $\\omega$ [rad/s]")
-    ax.legend(loc="upper right", fontsize=8)
+    _legend_above(ax)
     return lines
 
 
