@@ -1,11 +1,12 @@
 """The generated parts of README: chapters, verdicts of the ledger, measured speed.
 
-`python -m fuzzynav.course.readme` writes them between their markers. The picture of README is made
-by `fuzzynav.plot` and written beside the data.
+`python -m fuzzynav.course.readme` writes them between their markers; with `--picture` it also draws
+README's picture anew.
 """
 
 from __future__ import annotations
 
+import argparse
 import csv
 import re
 import sys
@@ -14,6 +15,7 @@ from pathlib import Path
 
 from fuzzynav.course.chapters import chapters
 from fuzzynav.course.folders import course_root, write_whole
+from fuzzynav.plot.cover import save_cover
 from fuzzynav.published import ledger
 
 __all__ = ["bench_table", "ledger_table", "rendered"]
@@ -73,8 +75,12 @@ def _number(text: str) -> str:
 
 
 def main() -> int:
-    """Write README.md anew."""
+    """Write README.md anew, and its picture where asked."""
+    parser = argparse.ArgumentParser(prog="python -m fuzzynav.course.readme", description="README's generated parts")
+    parser.add_argument("--picture", action="store_true", help="draw data/readme.png anew")
     root = course_root()
+    if parser.parse_args().picture:
+        save_cover(root / "data" / "readme.png")
     path = root / "README.md"
     write_whole(path, rendered(path.read_text(encoding="utf-8"), root))
     print("README.md is up to date")
