@@ -18,8 +18,8 @@ PACKAGE = HOME / "fuzzynav"
 
 # A module may import what stands above it; names in one row do not import each other unless listed in order.
 ROWS = [
-    ["geometry"], ["robot"], ["mapfiles"], ["gridmap"], ["world"], ["sensors"], ["localization"], ["mapping"],
-    ["fuzzy"], ["astar"], ["smoothing"], ["reference"], ["tracking"], ["dwa"], ["movers"], ["fusion"],
+    ["geometry"], ["printed"], ["robot"], ["mapfiles"], ["gridmap"], ["world"], ["sensors"], ["localization"],
+    ["mapping"], ["fuzzy"], ["astar"], ["smoothing"], ["reference"], ["tracking"], ["dwa"], ["movers"], ["fusion"],
     ["simulate"], ["batch"], ["experiments"], ["published"], ["plot"], ["lab"], ["course"], ["warm", "environment"],
 ]
 ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
@@ -196,7 +196,7 @@ def sources() -> Counter[str]:
             if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.endswith("_as_printed"):
                 doc = ast.get_docstring(node) or ""
                 for match in re.finditer(r"Source: [^.]*?\beq ((?:[^.]|\.(?=\d))*)", doc):
-                    named = re.sub(r"\([^)]*\)|(section|table|figure|chapter).*", "", match.group(1))
+                    named = re.sub(r"\([^)]*\)|(section|table|figure|chapter|>>>).*", "", match.group(1), flags=re.S)
                     found.update(set(re.findall(r"\b(\d\.\d+)\b", named)) & equations())
     return found
 

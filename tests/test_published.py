@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzynav import published
+from fuzzynav import printed, published
 from fuzzynav.experiments.reproduction import VERDICTS, Reproduction
 
 LENGTH = published.claim("thesis:c-3.4-S1-TA-len")
@@ -156,6 +156,6 @@ def test_items_in_notebooks_exist():
 
 def test_a_damaged_file_names_its_row(tmp_path, monkeypatch):
     (tmp_path / "claims.csv").write_text("id,value\na,b,c\n")
-    monkeypatch.setattr(published, "folder", lambda: tmp_path)
+    monkeypatch.setattr(printed, "folder", lambda: tmp_path)
     with pytest.raises(ValueError, match=r"claims\.csv, row 2: 9 fields are needed, found 3"):
-        published._rows("claims.csv", 9)
+        printed._rows("claims.csv", 9)
