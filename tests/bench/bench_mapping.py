@@ -8,6 +8,7 @@ from bresenham import bresenham
 
 from fuzzynav import logs, mapping, posegraph
 from fuzzynav.gridmap import GridMap
+from fuzzynav.world import World
 
 RESOLUTION = 0.1
 SENSOR = mapping.InverseSensor()
@@ -127,6 +128,23 @@ def cast_rows() -> list[dict[str, object]]:
     return out
 
 
+def world_rows() -> list[dict[str, object]]:
+    """What every step of a simulation asks: a scan of the whole world, and the clearance of the robot."""
+    rng = np.random.default_rng(1)
+    discs = np.column_stack([rng.uniform(0, 20, (20, 2)), rng.uniform(0.1, 0.4, 20)])
+    boxes = np.column_stack([rng.uniform(0, 20, (20, 2)), rng.uniform(0.2, 0.8, (20, 2)), rng.uniform(-3, 3, 20)])
+    world = World(grid=GridMap(rng.random((400, 400)) < 0.002, 0.05), discs=discs, rectangles=boxes)
+    pose = next(p for p in np.column_stack([rng.uniform(1, 19, (50, 2)), np.zeros(50)]) if world.clearance(p[:2]) > 0.3)
+    angles = np.linspace(-np.pi, np.pi, 720, endpoint=False)
+    none = {"unit": "us", "peer": None, "peer_name": None, "ratio": None, "agreement": "no peer installed"}
+    return [
+        {"task": "scan of 720 beams, 20 m world of 400 x 400 cells and 40 shapes",
+         "ours": 1e6 * best(lambda: world.cast(pose, angles, 10.0), 200), **none},
+        {"task": "clearance of one point in the same world",
+         "ours": 1e6 * best(lambda: world.clearance(pose[:2]), 200), **none},
+    ]
+
+
 def rows() -> list[dict[str, object]]:
-    """Mapping against two peers, ray casting on two maps."""
-    return map_rows() + cast_rows()
+    """Mapping against two peers, ray casting on two maps, and the world of the simulations."""
+    return map_rows() + cast_rows() + world_rows()
