@@ -29,7 +29,7 @@ def _weight(tables: Any, distance: float, bearing: float) -> float:
     """F of a rule base for one distance [m] and bearing [rad]; 0 where no rule fires."""
     points, value, none = np.empty((1, 2)), np.empty((1, 1)), np.empty((0, 0))
     points[0, 0], points[0, 1] = distance, bearing
-    _infer(points, none, none, *tables[1], value, tables[0], none, none)
+    _infer(points, none, none, *tables[1], value, tables[0], none, none)  # type: ignore[call-arg]
     return 0.0 if np.isnan(value[0, 0]) else _clip(value[0, 0], 0.0, 1.0)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav import avoidance as kernels
 from fuzzynav.dfl import DflGains
@@ -300,7 +300,7 @@ class FuzzyRun:
     commands: Array  # (n, 2)
     weight: Array  # (n,) share of avoidance in the command
     fuzzy: Array  # (n,) F
-    avoiding: Array  # (n,) whether the gate was open
+    avoiding: NDArray[np.bool_]  # (n,) whether the gate was open
     clearance: Array  # (n,) [m] from the robot's rim to the block, inf once it is gone
     index: Array  # (n,) step of the reference
     status: str  # done, collided, timeout

@@ -143,12 +143,14 @@ class _Lap:
 
     def __call__(self, observation: Observation) -> Array:
         """The command of the controller inside."""
-        command = self.inner(observation)
-        safe = isinstance(self.inner, fusion.SafeBlend)
-        now = round((self.inner.evidence["reference_time"] if safe else observation.time) / 0.1)
-        k = int(self.inner.mind[INDEX]) if safe else now + 1
-        gap = float(np.hypot(*(self.inner.rows[min(now, self.inner.steps), :2] - observation.pose[:2])))
-        weight = float(self.inner.mind[WEIGHT]) if safe else self.inner.evidence["F"]
+        law = self.inner
+        command = law(observation)
+        if isinstance(law, fusion.SafeBlend):
+            now, k, weight = round(law.evidence["reference_time"] / 0.1), int(law.mind[INDEX]), float(law.mind[WEIGHT])
+        else:
+            now = round(observation.time / 0.1)
+            k, weight = now + 1, law.evidence["F"]
+        gap = float(np.hypot(*(law.rows[min(now, law.steps), :2] - observation.pose[:2])))
         self.evidence = {"gap": gap, "weight": weight}
         self.status = "reached" if k >= self.until else None
         return command
@@ -156,7 +158,7 @@ class _Lap:
 
 def one_mover(seed: int) -> list[dict[str, Any]]:
     """Rows of the printed and the safe blend past one patrolling disc that the sensor sees with its velocity."""
-    world = World(movers=[mover_of(int(seed))])
+    world = World(movers=(mover_of(int(seed)),))
     rows = []
     for name in ("printed, gate ±45°", "safe blend"):
         eight, scheme = FigureEight(duration=2.0 * fusion.LAP), fusion.SafeScheme(moving=True)
