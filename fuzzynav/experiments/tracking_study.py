@@ -177,19 +177,24 @@ def bounds_table(table: pd.DataFrame, quantity: str = "late_max", level: float =
 
 
 def wall_time(method: str) -> dict[str, Any]:
-    """Median microseconds of one call of the controller, and simulated seconds per second of its closed loop."""
-    tracker = _ready(method)
-    times, clock = [], time.perf_counter
-    for k in range(400):
-        now = tracking.seen(0.1 * k, tracker.rows[k, [0, 1, 6]] + 0.01, tracker.rows[k, 7:9])
+    """Microseconds of one call of the controller, and simulated seconds per second of its closed loop.
+
+    The least of five medians and the quickest of five runs: what else the machine does is left out.
+    """
+    tracker, clock = _ready(method), time.perf_counter
+    medians, spans = [], []
+    for _ in range(5):
+        times = []
+        for k in range(300):
+            now = tracking.seen(0.1 * k, tracker.rows[k, [0, 1, 6]] + 0.01, tracker.rows[k, 7:9])
+            begin = clock()
+            tracker(now)
+            times.append(clock() - begin)
         begin = clock()
-        tracker(now)
-        times.append(clock() - begin)
-    tracking.follow(tracker, duration=10.0)
-    begin = clock()
-    tracking.follow(tracker)
-    span = clock() - begin
-    return {"microseconds": round(1e6 * float(np.median(times)), 1), "rate": round(EIGHT.duration / span)}
+        tracking.follow(tracker)
+        spans.append(clock() - begin)
+        medians.append(float(np.median(times)))
+    return {"microseconds": round(1e6 * min(medians), 1), "rate": round(EIGHT.duration / min(spans))}
 
 
 def run_times() -> None:

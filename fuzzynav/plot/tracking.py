@@ -164,12 +164,12 @@ def draw_rivals(ax: Axes, table: pd.DataFrame, *, unit: str = "mm", scale: float
 
 
 def draw_time_against_error(ax: Axes, times: Mapping[str, float], errors: Mapping[str, float]) -> list[Line2D]:
-    """Error [mm] against compute time of one step [us], one marker for each method; both axes logarithmic."""
+    """Error [mm] against compute time of one step [us], one marker for each method; time is logarithmic."""
     lines = []
     for k, (name, marker) in enumerate(zip(times, "osD^vPX*", strict=False)):
         lines += ax.plot([times[name]], [errors[name]], marker=marker, linestyle="", markersize=8, label=name,
                          color=list(COLORS.values())[k % 7])
-    ax.set(xscale="log", yscale="log", xlabel="time of one step [µs]", ylabel="error [mm]")
+    ax.set(xscale="log", ylim=(0.0, 1.15 * max(errors.values())), xlabel="time of one step [µs]", ylabel="error [mm]")
     ax.legend(**BESIDE)
     return lines
 
@@ -180,5 +180,7 @@ def draw_velocity_estimates(ax: Axes, table: pd.DataFrame) -> list[Line2D]:
     lines = [ax.plot(1e3 * means.index.to_numpy(), 1e3 * means[name].to_numpy(), marker=marker, label=name)[0]
              for name, marker in zip(means.columns, "os^D", strict=False)]
     ax.set(xscale="log", yscale="log", xlabel="position noise [mm]", ylabel="RMS distance [mm]")
+    ax.set_xticks(1e3 * means.index.to_numpy(), [f"{1e3 * n:g}" for n in means.index])
+    ax.xaxis.minorticks_off()
     ax.legend(loc="upper left")
     return lines
