@@ -15,6 +15,7 @@ __all__: list[str] = []
 
 Mask = NDArray[np.bool_]
 Cells = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
 
 EDGE = 1e-9  # [cells] two things nearer than this touch
 
@@ -85,10 +86,11 @@ def _distance(occupied: Mask, border: bool) -> Array:
 
 
 @njit(cache=True)
-def _ray(occupied: Mask, field: Array, x: float, y: float, dx: float, dy: float, reach: float, border: bool) -> float:
+def _ray(occupied: Mask, skip: Bytes, x: float, y: float, dx: float, dy: float, reach: float, border: bool) -> float:
     """Length [cells] of the ray from (x, y) along the unit vector (dx, dy) to the first occupied square.
 
-    `field` [cells], if it has a size, lets the ray jump over empty ground; without it the ray walks cell by cell.
+    `skip`, if it has a size, lets the ray jump over empty ground: the distance field [cells], rounded down and at most
+    255, in bytes, so that a large map stays in the cache. Without it the ray walks cell by cell.
     """
     rows, cols = occupied.shape
     i, j = int(np.floor(x)), int(np.floor(y))
@@ -96,15 +98,15 @@ def _ray(occupied: Mask, field: Array, x: float, y: float, dx: float, dy: float,
         return 0.0 if border else reach
     if occupied[j, i]:
         return 0.0
-    jump = field.shape[0] > 0
+    jump = skip.shape[0] > 0
     step_x, step_y = 1 if dx > 0.0 else -1, 1 if dy > 0.0 else -1
     face_x, face_y = (1.0 if dx > 0.0 else 0.0) - x, (1.0 if dy > 0.0 else 0.0) - y
     inv_x = 1.0 / dx if dx != 0.0 else 1e300
     inv_y = 1.0 / dy if dy != 0.0 else 1e300
     t = 0.0
     while True:
-        if jump and field[j, i] > 2.0:
-            t += field[j, i] - 0.72  # a point of the cell is at most 0.7072 from the centre
+        if jump and skip[j, i] >= 2:
+            t += skip[j, i] - 0.72  # a point of the cell is at most 0.7072 from the centre
             if t >= reach:
                 return reach
             i = min(max(int(x + t * dx), 0), cols - 1)
@@ -133,7 +135,7 @@ def _ray(occupied: Mask, field: Array, x: float, y: float, dx: float, dy: float,
 
 @njit(cache=True)
 def _cast(
-    occupied: Mask, field: Array, resolution: float, origin_x: float, origin_y: float,
+    occupied: Mask, skip: Bytes, resolution: float, origin_x: float, origin_y: float,
     poses: Array, angles: Array, range_max: float, border: bool,
 ) -> Array:
     """Ranges [m] `(m, n)` of the beams `angles` [rad, body frame] from `poses` `(m, 3)`."""
@@ -142,7 +144,7 @@ def _cast(
         x, y = (poses[m, 0] - origin_x) / resolution, (poses[m, 1] - origin_y) / resolution
         for n in range(angles.shape[0]):
             heading = poses[m, 2] + angles[n]
-            length = _ray(occupied, field, x, y, np.cos(heading), np.sin(heading), range_max / resolution, border)
+            length = _ray(occupied, skip, x, y, np.cos(heading), np.sin(heading), range_max / resolution, border)
             out[m, n] = min(length * resolution, range_max)
     return out
 
@@ -270,7 +272,7 @@ def _warm() -> None:
     """Compile every kernel with the types that GridMap hands over."""
     occupied = np.eye(3, dtype=np.bool_)
     field = _distance(occupied, True)
-    for known in (field, np.empty((0, 0))):
+    for known in (field.astype(np.uint8), np.empty((0, 0), dtype=np.uint8)):
         _cast(occupied, known, 1.0, 0.0, 0.0, np.array([[0.5, 1.5, 0.0]]), np.zeros(1), 5.0, True)
     _clear(occupied, 0.5, 0.5, 1.5, 2.5, 0.1, True)
     _crossed(0.5, 0.5, 1.5, 2.5, EDGE)

@@ -15,7 +15,7 @@ from fuzzynav.geometry import Array
 __all__ = ["CORNER_RULES", "GridMap"]
 
 CORNER_RULES = ("strict", "permissive")
-_NO_FIELD = np.empty((0, 0))
+_NO_SKIP = np.empty((0, 0), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +34,7 @@ class GridMap:
     origin: tuple[float, float] = (0.0, 0.0)
     unknown: NDArray[np.bool_] | None = None
     _fields: dict[bool, Array] = field(default_factory=dict, init=False, repr=False)
+    _skips: dict[bool, kernels.Bytes] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Check the fields and take copies, so that later changes of the caller's arrays do not reach the map."""
@@ -146,6 +147,12 @@ class GridMap:
             self._fields[border] = kernels._distance(self.occupied, border)
         return self._fields[border]
 
+    def skip_in_cells(self, border: bool = True) -> kernels.Bytes:
+        """The distance field in whole cells, at most 255, for rays to jump by; shared: do not write to it."""
+        if border not in self._skips:
+            self._skips[border] = np.minimum(self.field_in_cells(border), 255.0).astype(np.uint8)
+        return self._skips[border]
+
     def distance(self, points: ArrayLike, border: bool = True) -> Array:
         """Distance [m] from any points `(..., 2)` to the nearest occupied square; exact, 0 inside one."""
         p = (_finite(points, "points") - self.origin) / self.resolution
@@ -207,8 +214,8 @@ class GridMap:
         if not range_max > 0:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
         rows = np.atleast_2d(poses)
-        worth = True in self._fields or len(rows) * len(beams) > 2000
-        ranges = kernels._cast(self.occupied, self.field_in_cells() if worth else _NO_FIELD, self.resolution,
+        worth = border in self._fields or len(rows) * len(beams) > 2000
+        ranges = kernels._cast(self.occupied, self.skip_in_cells(border) if worth else _NO_SKIP, self.resolution,
                                *self.origin, rows, beams, float(range_max), border)
         return ranges if poses.ndim == 2 else ranges[0]
 

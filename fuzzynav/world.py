@@ -20,6 +20,7 @@ MOTIONS = ("constant", "patrol", "wander")
 _Static = tuple[kernels.Mask, Array, Array, Array, Array, Array]
 _Parameters = tuple[kernels.Cells, Array, Array, Array, Array, kernels.Cells, Array]
 _NO_MASK, _NO_FIELD = np.zeros((0, 0), dtype=np.bool_), np.zeros((0, 0))
+_NO_SKIP = np.zeros((0, 0), dtype=np.uint8)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -106,6 +107,7 @@ class World:
     movers: tuple[Mover, ...] = ()
     bounds: tuple[float, float, float, float] | None = None
     _static: _Static = field(init=False, repr=False)
+    _skip: kernels.Bytes = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         """Check the shapes and pack them for the kernels."""
@@ -121,6 +123,7 @@ class World:
         if any(m.motion == "wander" for m in self.movers) and self.bounds is None:
             raise ValueError("a wandering mover needs a world with bounds or a grid")
         object.__setattr__(self, "_static", self._pack())
+        object.__setattr__(self, "_skip", _NO_SKIP if self.grid is None else self.grid.skip_in_cells(border=False))
 
     def _pack(self) -> _Static:
         """Arrays that the kernels take: grid, its field, scale and origin, bounds, discs, rectangles."""
@@ -165,8 +168,10 @@ class World:
             raise ValueError(f"pose must be (3,) or (m, 3), angles (n,) finite, got {poses.shape}, {beams.shape}")
         if not range_max > 0:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
-        ranges, labels = kernels._scan(*self._static, self._mover_discs(mover_positions), np.atleast_2d(poses), beams,
-                                       float(range_max))
+        mask, _, frame, bounds, discs, rectangles = self._static
+        movers = self._mover_discs(mover_positions)
+        ranges, labels = kernels._scan(mask, self._skip, frame, bounds, discs, rectangles, movers,
+                                       np.atleast_2d(poses), beams, float(range_max))
         return (ranges, labels) if poses.ndim == 2 else (ranges[0], labels[0])
 
     def _mover_discs(self, positions: ArrayLike | None) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.gridkernels import Cells, Mask, _nearest, _ray
+from fuzzynav.gridkernels import Bytes, Cells, Mask, _nearest, _ray
 
 __all__: list[str] = []
 
@@ -42,71 +42,123 @@ def _clearance(
 
 
 @njit(cache=True)
-def _disc_hits(
-    discs: Array, first_label: int, x: float, y: float, cosine: Array, sine: Array, ranges: Array, labels: Cells,
-) -> None:
-    """Shorten the beams from (x, y) that meet a disc; a label of -1 or more is kept with it."""
-    for k in range(discs.shape[0]):
-        u, v, r = discs[k, 0] - x, discs[k, 1] - y, discs[k, 2]
-        inside = u * u + v * v <= r * r
-        label = first_label + k if first_label >= 0 else -1
-        for n in range(ranges.shape[0]):
-            aside = u * sine[n] - v * cosine[n]
-            if abs(aside) > r and not inside:
-                continue
-            t = 0.0 if inside else u * cosine[n] + v * sine[n] - np.sqrt(r * r - aside * aside)
-            if 0.0 <= t < ranges[n]:
-                ranges[n], labels[n] = t, label
+def _spacing(angles: Array) -> float:
+    """Step [rad] of evenly rising angles that do not go round more than once; 0 for any others."""
+    n = len(angles)
+    step = (angles[n - 1] - angles[0]) / (n - 1) if n > 1 else 0.0
+    if step <= 0.0 or step * (n - 1) > 2.0 * np.pi:
+        return 0.0
+    for k in range(n):
+        if abs(angles[k] - angles[0] - k * step) > 0.01 * step:
+            return 0.0
+    return step
 
 
 @njit(cache=True)
-def _rectangle_hits(rectangles: Array, x: float, y: float, cosine: Array, sine: Array, ranges: Array) -> None:
-    """Shorten the beams from (x, y) that meet a rectangle."""
+def _window(u: float, v: float, r: float, first: float, step: float, n: int) -> tuple[int, int, int]:
+    """Beams that may meet a disc of radius r at (u, v) from the scanner: low .. high, and 0 .. second.
+
+    `first` is the heading of beam 0, `step` as from `_spacing`. Errs by a beam to either side, never the other way.
+    """
+    away = np.hypot(u, v)
+    if step == 0.0 or away <= r * (1.0 + 1e-9):
+        return 0, n - 1, -1
+    half = np.arcsin(r / away)
+    begin = (np.arctan2(v, u) - half - first) % (2.0 * np.pi)
+    low, high = int(begin / step) - 1, int((begin + 2.0 * half) / step) + 1
+    second = int((begin + 2.0 * half - 2.0 * np.pi) / step) + 1 if begin + 2.0 * half + step >= 2.0 * np.pi else -1
+    return max(low, 0), min(high, n - 1), min(second, low - 1, n - 1)
+
+
+@njit(cache=True)
+def _disc_hits(
+    discs: Array, first_label: int, x: float, y: float, beams: Array, step: float, ranges: Array, labels: Cells,
+) -> None:
+    """Shorten the beams from (x, y) that meet a disc; `beams` (3, n) holds heading, cosine, sine.
+
+    A first label of 0 or more numbers the discs; below 0 the label is -1.
+    """
+    count, reach = ranges.shape[0], ranges.max()
+    for k in range(discs.shape[0]):
+        u, v, r = discs[k, 0] - x, discs[k, 1] - y, discs[k, 2]
+        away = u * u + v * v
+        if away > (reach + r) * (reach + r):
+            continue
+        inside = away <= r * r
+        label = first_label + k if first_label >= 0 else -1
+        low, high, second = _window(u, v, r, beams[0, 0], step, count)
+        for part in range(2):
+            begin, end = (low, high) if part == 0 else (0, second)
+            for n in range(begin, end + 1):
+                aside = u * beams[2, n] - v * beams[1, n]
+                if abs(aside) > r and not inside:
+                    continue
+                t = 0.0 if inside else u * beams[1, n] + v * beams[2, n] - np.sqrt(r * r - aside * aside)
+                if 0.0 <= t < ranges[n]:
+                    ranges[n], labels[n] = t, label
+
+
+@njit(cache=True)
+def _rectangle_hits(rectangles: Array, x: float, y: float, beams: Array, step: float, ranges: Array) -> None:
+    """Shorten the beams from (x, y) that meet a rectangle; `beams` as for discs."""
+    count, reach = ranges.shape[0], ranges.max()
     for k in range(rectangles.shape[0]):
         u, v = rectangles[k, 0] - x, rectangles[k, 1] - y
         half_x, half_y = 0.5 * rectangles[k, 2], 0.5 * rectangles[k, 3]
         around = np.hypot(half_x, half_y) * (1.0 + 1e-12)
+        if u * u + v * v > (reach + around) * (reach + around):
+            continue
         c, s = np.cos(rectangles[k, 4]), np.sin(rectangles[k, 4])
         px, py = -(c * u + s * v), -(c * v - s * u)
-        for n in range(ranges.shape[0]):
-            if abs(u * sine[n] - v * cosine[n]) > around or u * cosine[n] + v * sine[n] < -around:
-                continue
-            dx, dy = c * cosine[n] + s * sine[n], c * sine[n] - s * cosine[n]
-            low, high = 0.0, ranges[n]
-            if dx != 0.0:
-                first, second = (-half_x - px) / dx, (half_x - px) / dx
-                low, high = max(low, min(first, second)), min(high, max(first, second))
-            elif abs(px) > half_x:
-                continue
-            if dy != 0.0:
-                first, second = (-half_y - py) / dy, (half_y - py) / dy
-                low, high = max(low, min(first, second)), min(high, max(first, second))
-            elif abs(py) > half_y:
-                continue
-            if low <= high:
-                ranges[n] = low
+        low, high, second = _window(u, v, around, beams[0, 0], step, count)
+        for part in range(2):
+            begin, end = (low, high) if part == 0 else (0, second)
+            for n in range(begin, end + 1):
+                dx, dy = c * beams[1, n] + s * beams[2, n], c * beams[2, n] - s * beams[1, n]
+                ranges[n] = _slabs(px, py, dx, dy, half_x, half_y, ranges[n])
+
+
+@njit(cache=True)
+def _slabs(px: float, py: float, dx: float, dy: float, half_x: float, half_y: float, reach: float) -> float:
+    """Length of the ray from (px, py) along (dx, dy) to the rectangle about the origin; `reach` if it is further."""
+    low, high = 0.0, reach
+    if dx != 0.0:
+        first, second = (-half_x - px) / dx, (half_x - px) / dx
+        low, high = max(low, min(first, second)), min(high, max(first, second))
+    elif abs(px) > half_x:
+        return reach
+    if dy != 0.0:
+        first, second = (-half_y - py) / dy, (half_y - py) / dy
+        low, high = max(low, min(first, second)), min(high, max(first, second))
+    elif abs(py) > half_y:
+        return reach
+    return low if low <= high else reach
 
 
 @njit(cache=True)
 def _scan(
-    mask: Mask, field: Array, frame: Array, bounds: Array, discs: Array, rectangles: Array, movers: Array,
+    mask: Mask, skip: Bytes, frame: Array, bounds: Array, discs: Array, rectangles: Array, movers: Array,
     poses: Array, angles: Array, range_max: float,
 ) -> tuple[Array, Cells]:
     """Ranges [m] `(m, n)` from poses `(m, 3)`, and the index of the mover each beam met or -1."""
     out = np.full((poses.shape[0], angles.shape[0]), range_max)
     labels = np.full((poses.shape[0], angles.shape[0]), -1, dtype=np.int64)
+    if angles.shape[0] == 0:
+        return out, labels
+    step, beams = _spacing(angles), np.empty((3, angles.shape[0]))
     for m in range(poses.shape[0]):
         x, y = poses[m, 0], poses[m, 1]
-        cosine, sine = np.cos(poses[m, 2] + angles), np.sin(poses[m, 2] + angles)
-        _disc_hits(discs, -1, x, y, cosine, sine, out[m], labels[m])
-        _rectangle_hits(rectangles, x, y, cosine, sine, out[m])
-        _disc_hits(movers, 0, x, y, cosine, sine, out[m], labels[m])
+        beams[0] = poses[m, 2] + angles
+        beams[1], beams[2] = np.cos(beams[0]), np.sin(beams[0])
+        _disc_hits(discs, -1, x, y, beams, step, out[m], labels[m])
+        _rectangle_hits(rectangles, x, y, beams, step, out[m])
+        _disc_hits(movers, 0, x, y, beams, step, out[m], labels[m])
+        px, py = (x - frame[1]) / frame[0], (y - frame[2]) / frame[0]
         for n in range(angles.shape[0]):
-            t = _to_wall(bounds, x, y, cosine[n], sine[n])
+            t = _to_wall(bounds, x, y, beams[1, n], beams[2, n])
             if mask.shape[0] > 0 and t > 0.0:
                 reach = min(t, out[m, n]) / frame[0]
-                px, py = (x - frame[1]) / frame[0], (y - frame[2]) / frame[0]
-                t = min(t, frame[0] * _ray(mask, field, px, py, cosine[n], sine[n], reach, False))
+                t = min(t, frame[0] * _ray(mask, skip, px, py, beams[1, n], beams[2, n], reach, False))
             if t < out[m, n]:
                 out[m, n], labels[m, n] = t, -1
     return out, labels
@@ -225,7 +277,7 @@ def _warm() -> None:
     mask, field = np.zeros((3, 3), dtype=np.bool_), np.full((3, 3), 5.0)
     static = (mask, field, frame, bounds, discs, rectangles)
     _clearance(*static, discs, np.array([[0.5, 0.5]]))
-    _scan(*static, discs, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
+    _scan(mask, field.astype(np.uint8), *static[2:], discs, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
     _raster(mask, frame, frame, 3, 3, discs, rectangles)
     one, zero = np.ones(1), np.zeros((1, 2))
     _advance(np.ones(1, dtype=np.int64), one, zero, one, np.array([[[0.0, 0.0], [1.0, 0.0]]]),

@@ -77,6 +77,18 @@ def test_rays_are_free_up_to_their_end_and_end_on_a_surface(seed):
 
 
 @relaxed
+@given(SEEDS, st.floats(-7, 7), st.floats(-7, 7), st.floats(0.05, 2 * np.pi), st.integers(2, 90))
+def test_even_beams_and_single_beams_say_the_same(seed, heading, first, span, beams):
+    world = random_world(seed, movers=(Mover.constant((2, 5), (0, 0), 0.4), Mover.constant((6, 2), (0, 0), 0.7)))
+    pose = [*np.random.default_rng(seed).uniform(0, 8, 2), heading]
+    angles = first + np.linspace(0, span, beams)
+    together, names = world.cast_labelled(pose, angles, 7.0)
+    alone = [world.cast_labelled(pose, [a], 7.0) for a in angles]
+    assert np.array_equal(together, [r[0] for r, _ in alone])
+    assert np.array_equal(names, [label[0] for _, label in alone])
+
+
+@relaxed
 @given(SEEDS)
 def test_mirrored_world_mirrored_scan(seed):
     world = random_world(seed)
