@@ -1,7 +1,7 @@
 """Tracking laws: known answers, invariances, energies, limits, agreement between independent solutions, bad input."""
 
 import time
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -283,6 +283,38 @@ def test_a_lap_takes_well_under_fifty_milliseconds() -> None:
         tracking.follow(law)
         times.append(time.perf_counter() - begin)
     assert min(times) < 0.025
+
+
+HALT = curves.SpeedProfile([0, 2, 5, 7, 10], [0, 0.3, 0.3, 0, 0])
+STOPPING = reference.Along(curves.CircleCurve((0.0, 0.0), 1.0), HALT)
+GAINS = [(tracking.Dfl, tracking.DflGains(v0=0.1)), (tracking.Kanayama, tracking.KanayamaGains()),
+         (tracking.Pid, tracking.PidGains()), (tracking.Sliding, tracking.SlidingGains())]
+
+
+@pytest.mark.parametrize(
+    ("maker", "gains", "name"), [(m, g, f.name) for m, g in GAINS for f in fields(g) if f.name != "feed_forward"]
+)
+def test_no_gain_is_without_effect(maker: type[tracking.Tracker], gains: object, name: str) -> None:
+    other = replace(gains, **{name: 1.5 * getattr(gains, name)})
+    offset = compose(STOPPING.sample(0.0).pose, [-0.4, -0.3, 0.4])
+    runs = [tracking.follow(maker(STOPPING, g), offset).commands for g in (gains, other)]
+    runs += [tracking.follow(maker(STOPPING, g), disturbance=ROUGH, rng=1).commands for g in (gains, other)]
+    assert np.abs(runs[0] - runs[1]).max() > 1e-6 or np.abs(runs[2] - runs[3]).max() > 1e-6
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(tracking.Weights)])
+def test_no_weight_is_without_effect(name: str) -> None:
+    other = replace(tracking.Weights(), **{name: 1.5 * getattr(tracking.Weights(), name)})
+    start = [-0.1, 0.1, 0.2]
+    for make in (tracking.Lqr, lambda ref, w: tracking.Mpc(ref, tracking.MpcParams(weights=w))):
+        runs = [tracking.follow(make(SHORT, w), start, duration=5.0).poses for w in (tracking.Weights(), other)]
+        assert np.abs(runs[0] - runs[1]).max() > 1e-5
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(tracking.Disturbance)])
+def test_no_disturbance_is_without_effect(name: str) -> None:
+    hit = tracking.follow(tracking.Dfl(SHORT), disturbance=tracking.Disturbance(**{name: getattr(ROUGH, name)}))
+    assert np.abs(hit.poses - tracking.follow(tracking.Dfl(SHORT)).poses).max() > 1e-4
 
 
 # --- Kanayama, PID, sliding mode -----------------------------------------------------------------
