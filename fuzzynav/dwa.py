@@ -7,7 +7,7 @@ The steps themselves stand in `dwa_steps`, one function for each equation, and a
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
@@ -187,7 +187,8 @@ class Controller:
     """The dynamic window in a loop: one plan every call, evidence of it, and a way out when stuck.
 
     `weigh(observation, nearest)` gives the three weights of a step and whether its rule base covered the state; without
-    it those of the parameters hold. `keep` collects every Plan in `plans`. Recovery chooses among the admissible
+    it those of the parameters hold. `keep` collects every Plan in `plans`; `on_command` builds the window on the last
+    command instead of the measured speed, which may be noisy. Recovery chooses among the admissible
     samples, so it is as safe as the plan; when its tries are used up, `status` is local_minimum.
     """
 
@@ -200,9 +201,10 @@ class Controller:
         field: Field | None = None,
         stuck: Stuck | None = None,
         keep: bool = False,
+        on_command: bool = False,
     ) -> None:
         self.robot, self.params, self.weigh, self.field = robot, params, weigh, field
-        self.stuck, self.keep = stuck or Stuck(), keep
+        self.stuck, self.keep, self.on_command = stuck or Stuck(), keep, on_command
         self.reset()
 
     def reset(self) -> None:
@@ -216,9 +218,12 @@ class Controller:
         self._phase: Literal["drive", "turn", "escape"] = "drive"
         self._side = 1.0
         self._until = 0.0
+        self._last: Array | None = None
 
     def __call__(self, observation: Observation) -> Array:
         """Command (v [m/s], omega [rad/s]) for the next step."""
+        if self.on_command and self._last is not None:
+            observation = replace(observation, velocity=self._last)
         weights, covered = np.asarray(self.params.weights, dtype=float), True
         if self.weigh is not None:
             weights, covered = self.weigh(observation, nearest_of(observation, self.robot, self.field))
@@ -228,6 +233,7 @@ class Controller:
             weights = np.array([0.0, 0.5, 0.5])
         made = plan(observation, self.robot, self.params, weights=weights, field=self.field)
         command = self._turned(made) if self._phase == "turn" else made.command
+        self._last = command
         if self.keep:
             self.plans.append(made)
         self.evidence = {

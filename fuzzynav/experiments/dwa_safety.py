@@ -28,9 +28,10 @@ __all__ = [
 
 RESULTS = Path(__file__).parents[2] / "data" / "results"
 SEEDS = 10_000
-NOISY_SEEDS = 200
+NOISY_SEEDS = 60
 T_MAX = 40.0  # [s]
 ENDS = Loop(stall_time=5.0)
+REMEDIES = ("none", "margin 0.1 m", "window on the command")
 SIZE = 16.0  # [m]
 CORNERS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 1.0, 1.0), (1.0, 0.0, 1.0))
 NOISE = {
@@ -91,24 +92,25 @@ def outcome(seed: int) -> dict[str, Any]:
     }
 
 
-def open_run(seed: int, noise: Sensing | None = None, margin: float = 0.0, tries: int = 0) -> simulate.Run:
-    """The same case through `simulate.run`, where noise, a margin and recovery are possible."""
+def open_run(seed: int, noise: Sensing | None = None, remedy: str = "none", tries: int = 0) -> simulate.Run:
+    """The same case through `simulate.run`, where noise, a remedy and recovery are possible."""
     world, robot, params, start, goal, sensors = case_of(seed)
     if noise is not None:
         sensors = replace(noise, beams=720, range_max=sensors.range_max)
-    controller = Controller(robot, replace(params, margin=margin), stuck=Stuck(tries=tries))
+    params = replace(params, margin=0.1 if "margin" in remedy else 0.0)
+    controller = Controller(robot, params, stuck=Stuck(tries=tries), on_command="command" in remedy)
     return simulate.run(world, robot, controller, start, goal, t_max=T_MAX, sensors=sensors, rng=seed, loop=ENDS)
 
 
 def noisy_outcome(seed: int) -> list[dict[str, Any]]:
-    """The same world with every kind of noise, without and with a margin of 0.1 m."""
+    """The same world with every kind of noise and every remedy."""
     rows: list[dict[str, Any]] = []
     for name, noise in NOISE.items():
-        for margin in (0.0, 0.1):
-            run = open_run(int(seed), noise, margin)
+        for remedy in REMEDIES:
+            run = open_run(int(seed), noise, remedy)
             speed = abs(float(run.commands[-1, 0])) if run.contacts_moving else 0.0
             rows.append({
-                "noise": name, "margin": margin, "status": run.status, "contacts": run.contacts_moving,
+                "noise": name, "remedy": remedy, "status": run.status, "contacts": run.contacts_moving,
                 "clearance": round(run.min_clearance, 4), "iterations": run.iterations,
                 "speed_at_contact": round(speed, 3),
             })
@@ -121,5 +123,5 @@ def run_safety() -> None:
 
 
 def run_noisy() -> None:
-    """200 worlds with noise; writes data/results/dwa_noise.csv."""
+    """60 worlds with noise; writes data/results/dwa_noise.csv."""
     batch.run(noisy_outcome, range(NOISY_SEEDS), path=RESULTS / "dwa_noise.csv")

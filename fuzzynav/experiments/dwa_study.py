@@ -25,8 +25,8 @@ from fuzzynav.world import World
 
 __all__ = [
     "CASES", "DENSITIES", "GOAL", "MID_RANGE", "RESULTS", "START", "TIME_LIMIT", "TRAINING", "best_fixed", "compare",
-    "comparison", "fixed_weights", "go", "mean_score", "methods", "penalised", "penalised_gain", "random_map",
-    "run_comparison", "run_fixed_search", "score_weights",
+    "compare_tuned", "comparison", "fixed_weights", "go", "mean_score", "methods", "penalised", "penalised_gain",
+    "random_map", "run_comparison", "run_fixed_search", "run_tuned_comparison", "score_weights",
 ]
 
 RESULTS = Path(__file__).parents[2] / "data" / "results"
@@ -69,22 +69,16 @@ def _joined(grid: GridMap) -> bool:
 
 
 def methods() -> dict[str, tuple[Params, Tables | None]]:
-    """The ways of weighting that are compared; the tuned ones only once they have been found."""
-    mid = Params(weights=MID_RANGE)
-    found: dict[str, tuple[Params, Tables | None]] = {
+    """The ways of weighting that are compared."""
+    return {
         "printed .8 .1 .1": (CHAPTER_3, None),
         "equal": (Params(weights=(1 / 3, 1 / 3, 1 / 3)), None),
         "chapter 4 .05 .2 .3": (CHAPTER_4, None),
+        "best fixed": (Params(weights=best_fixed()), None),
         "fuzzy 9, else printed": (CHAPTER_3, shipped("thesis_table_3_2")),
-        "fuzzy 9, else mid-range": (mid, shipped("thesis_table_3_2")),
+        "fuzzy 9, else mid-range": (Params(weights=MID_RANGE), shipped("thesis_table_3_2")),
         "fuzzy 27": (CHAPTER_3, shipped("thesis_table_3_2_completed")),
     }
-    best = best_fixed()
-    if best is not None:
-        found["best fixed"] = (Params(weights=best), None)
-        if (Path(__file__).parents[2] / "data" / "fuzzy" / "ours_dwa_tuned.fll").exists():
-            found["fuzzy tuned"] = (Params(weights=best), shipped("ours_dwa_tuned"))
-    return found
 
 
 def go(case: str, params: Params, rules: Tables | None) -> Drive:
@@ -95,18 +89,28 @@ def go(case: str, params: Params, rules: Tables | None) -> Drive:
 
 def compare(case: str) -> list[dict[str, Any]]:
     """One row for each way of scoring the distance (along the arc, at its end) and each method, on this case's map."""
-    rows: list[dict[str, Any]] = []
-    for name, (params, rules) in methods().items():
-        for scored in ("arc", "end"):
-            made = go(case, replace(params, distance=scored), rules)  # type: ignore[arg-type]
-            rows.append({
-                "density": case.split("/")[0], "scored": scored, "method": name,
-                "success": int(made.status == "reached"), "status": made.status, "length": round(made.length, 3),
-                "iterations": made.iterations, "clearance": round(made.min_clearance, 3),
-                "uncovered": made.uncovered, "time": round(penalised(made), 1),
-            })
+    rows = [_row(case, name, replace(params, distance=scored), rules)  # type: ignore[arg-type]
+            for name, (params, rules) in methods().items() for scored in ("arc", "end")]
     _scene.cache_clear()
     return rows
+
+
+def compare_tuned(case: str) -> dict[str, Any]:
+    """The row of the tuned rule base on this case's map."""
+    row = _row(case, "fuzzy tuned", Params(weights=best_fixed()), shipped("ours_dwa_tuned"))
+    _scene.cache_clear()
+    return row
+
+
+def _row(case: str, name: str, params: Params, rules: Tables | None) -> dict[str, Any]:
+    """One run as a row."""
+    made = go(case, params, rules)
+    return {
+        "density": case.split("/")[0], "scored": params.distance, "method": name,
+        "success": int(made.status == "reached"), "status": made.status, "length": round(made.length, 3),
+        "iterations": made.iterations, "clearance": round(made.min_clearance, 3), "uncovered": made.uncovered,
+        "time": round(penalised(made), 1),
+    }
 
 
 def penalised(made: Drive) -> float:
@@ -138,12 +142,10 @@ def mean_score(params: Params, rules: Tables | None, cases: tuple[str, ...]) -> 
     }
 
 
-def best_fixed() -> tuple[float, float, float] | None:
-    """The fixed weights of least mean penalised time on the training maps; None before the search has run."""
-    path = RESULTS / "dwa_fixed_search.csv"
-    if not path.exists():
-        return None
-    table: pd.DataFrame = batch.read(path)
+@cache
+def best_fixed() -> tuple[float, float, float]:
+    """The fixed weights of least mean penalised time on the training maps; FileNotFoundError before the search."""
+    table: pd.DataFrame = batch.read(RESULTS / "dwa_fixed_search.csv")
     case = str(table.sort_values(["time", "case"])["case"].iloc[0])
     a, b, c = (float(w) for w in case.split("/"))
     return a, b, c
@@ -159,9 +161,15 @@ def run_comparison() -> None:
     batch.run(compare, CASES, path=RESULTS / "dwa_comparison.csv")
 
 
+def run_tuned_comparison() -> None:
+    """The tuned rule base on the same maps; writes data/results/dwa_comparison_tuned.csv."""
+    batch.run(compare_tuned, CASES, path=RESULTS / "dwa_comparison_tuned.csv")
+
+
 def comparison(scored: str = "arc") -> pd.DataFrame:
-    """The stored comparison, for one way of scoring the distance."""
-    table = batch.read(RESULTS / "dwa_comparison.csv")
+    """The stored comparison, for one way of scoring the distance; the base was tuned for the way along the arc."""
+    names = ("dwa_comparison", "dwa_comparison_tuned")
+    table = pd.concat([batch.read(RESULTS / f"{name}.csv") for name in names], ignore_index=True)
     return table[table["scored"] == scored].drop(columns="scored")
 
 

@@ -223,7 +223,7 @@ def draw_run_weights(ax: Axes, run: Run, *, title: str = "") -> list[Line2D]:
     ax.set(xlabel="t [s]", ylabel="weight", ylim=(0.0, 1.0), xlim=(0.0, max(run.duration, 1e-9)))
     if title:
         ax.set_title(title)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=4)
+    ax.legend(loc="upper center", ncols=4)
     return lines
 
 

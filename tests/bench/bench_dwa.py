@@ -1,8 +1,8 @@
 """Speed of local planning: one control step at the thesis parameters, a whole run, runs per minute on two cores.
 
-Peers: the same steps in NumPy (`dwa_steps`, one call for each equation), whose choice must be the same; and PythonRobotics,
-which is no package: set PYTHON_ROBOTICS to the folder of a checkout. Its costs differ, so only its number of arcs and
-its horizon are made ours. Times are CPU seconds.
+Peers: the same steps in NumPy (`dwa_steps`, one call for each equation), whose choice must be the same; and
+PythonRobotics, which is no package: set PYTHON_ROBOTICS to the folder of a checkout. Its costs differ, so only its
+number of arcs and its horizon are made ours. Times are CPU seconds.
 """
 
 import importlib.util
@@ -118,7 +118,7 @@ def runs():
 
     def open_():
         controller = dwa.Controller(THESIS, params, field=field)
-        return simulate.run(world, THESIS, controller, dwa_study.START, dwa_study.GOAL, sensors=dwa_safety.NOISE["ideal"])
+        return simulate.run(world, THESIS, controller, dwa_study.START, dwa_study.GOAL)
 
     run = open_()
     slow = seconds(open_, 1)
