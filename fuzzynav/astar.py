@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav import search as kernel
+from fuzzynav import searchkernels as kernel
 from fuzzynav.gridmap import GridMap
 from fuzzynav.mapfiles import Scenario, read_scenarios
 

@@ -28,7 +28,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.mapping",
     "fuzzynav.obstacle_points",
     "fuzzynav.particles",
-    "fuzzynav.search",
+    "fuzzynav.searchkernels",
     "fuzzynav.visibility",
     "fuzzynav.worldkernels",
 )

@@ -27,6 +27,7 @@ ORDER = {name: k for k, row in enumerate(ROWS) for name in row}
 TOPIC = {
     "cameras": "sensors", "gridkernels": "mapfiles", "worldkernels": "world", "logs": "mapping", "posegraph": "mapping",
     "mapkinds": "mapping", "particles": "localization",
+    "searchkernels": "astar",
     "search": "astar", "visibility": "astar", "roadmaps": "astar", "eta3": "smoothing", "simplify": "smoothing",
     "curves": "reference", "laws": "tracking", "dfl": "tracking", "rivals": "tracking", "lqr": "tracking",
     "mpc": "tracking", "observers": "tracking", "loop": "tracking", "tracker": "tracking",
