@@ -142,7 +142,7 @@ def step_as_printed(pose: ArrayLike, velocity: ArrayLike, omega: float, dt: floa
 def free_distance(pose: ArrayLike, samples: ArrayLike, points: ArrayLike, radius: float) -> Array:
     """Way `(n,)` [m] along each arc until a disc first touches one of the points; inf if it never does.
 
-    >>> free_distance([0, 0, 0], [[1.0, 0.0]], [[2.0, 0.0]], 0.3).tolist()
+    >>> free_distance([0, 0, 0], [[1.0, 0.0]], [[2.0, 0.0]], 0.3).round(3).tolist()
     [1.7]
     """
     pts = np.ascontiguousarray(np.asarray(points, dtype=float).reshape(-1, 2))

@@ -44,7 +44,7 @@ def scene() -> tuple[World, Field]:
     return World(grid=grid), Field.of(grid)
 
 
-def small_scene(velocity: tuple[float, float] = (0.8, 0.12)) -> Observation:
+def small_scene(velocity: tuple[float, float] = (0.8, 0.0)) -> Observation:
     """Two round obstacles before a robot that drives: the scene of figure 3.9, ours."""
     turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
     rims = [np.column_stack([x + r * np.cos(turn), y + r * np.sin(turn)]) for x, y, r in

@@ -90,8 +90,8 @@ def steps():
     out, module = [], python_robotics()
     for count in (20, 100, 500):
         seen = scene(count)
-        mine = 1e6 * seconds(lambda seen=seen: dwa.plan(seen, THESIS, PARAMS), 40)
-        open_ = 1e6 * seconds(lambda seen=seen: by_steps(seen), 5)
+        mine = 1e6 * seconds(lambda seen=seen: dwa.plan(seen, THESIS, PARAMS), 150)
+        open_ = 1e6 * seconds(lambda seen=seen: by_steps(seen), 15)
         made = dwa.plan(seen, THESIS, PARAMS)
         same = np.allclose(made.command, by_steps(seen), atol=1e-12)
         task = f"DWA step, {len(made.samples)} samples, {count} points"
