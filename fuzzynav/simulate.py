@@ -268,7 +268,8 @@ class _State:
         """The record as a Run."""
         n = len(self.commands)
         return Run(
-            t=dt * np.arange(n + 1, dtype=np.float64), poses=np.array(self.poses), commands=np.array(self.commands).reshape(n, 2),
+            t=dt * np.arange(n + 1, dtype=np.float64), poses=np.array(self.poses),
+            commands=np.array(self.commands).reshape(n, 2),
             clearance=np.array(self.clearances), log={k: np.array(v) for k, v in self.track.items()}, status=status,
             goal=self.goal, radius=self.robot.radius, contacts_moving=self.contacts[0],
             contacts_standing=self.contacts[1],
