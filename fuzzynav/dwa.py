@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -129,46 +128,69 @@ def plan(
 
     Source: thesis eq 3.16.
     """
-    v, omega = np.asarray(observation.velocity, dtype=float)
-    limits = _limits(robot)
+    v, omega = observation.velocity
+    ready = _prepared(robot, params)
     if params.sampling == "closed":
-        samples = kernels._window(v, omega, limits, _settings(params))
+        samples = kernels._window(float(v), float(omega), ready.limits, ready.settings)
     else:
         samples = np.vstack([window_as_printed((v, omega), robot, params), brake((v, omega), robot, params.dt)])
-    return _rated(observation, robot, params, samples, params.weights if weights is None else weights, field)
+    return _rated(observation, ready, samples, weights, field)
 
 
-@lru_cache(maxsize=64)
-def _limits(robot: Robot) -> Array:
-    return limits_of(robot)
+@dataclass(frozen=True, slots=True, eq=False)
+class _Prepared:
+    """What the kernels need of one robot and its parameters."""
+
+    robot: Robot
+    params: Params
+    limits: Array
+    settings: Array
+    modes: NDArray[np.bool_]
+    corners: Array
+    weights: Array
 
 
-@lru_cache(maxsize=256)
-def _settings(params: Params) -> Array:
-    return params.settings
+_PREPARED: dict[tuple[int, int], _Prepared] = {}
 
 
-def _rated(observation: Observation, robot: Robot, params: Params, samples: Array, weights: ArrayLike,
+def _prepared(robot: Robot, params: Params) -> _Prepared:
+    """The arrays of a robot and its parameters, kept by identity: both are frozen, and held here meanwhile."""
+    key = (id(robot), id(params))
+    found = _PREPARED.get(key)
+    if found is None:
+        if len(_PREPARED) > 256:
+            _PREPARED.clear()
+        found = _Prepared(
+            robot, params, limits_of(robot), params.settings,
+            np.array([params.distance == "end", params.bound == "as_printed"]),
+            NO_POINTS if params.footprint is None else np.array(params.footprint, dtype=float),
+            np.array(params.weights, dtype=float),
+        )
+        _PREPARED[key] = found
+    return found
+
+
+def _rated(observation: Observation, ready: _Prepared, samples: Array, weights: ArrayLike | None,
            field: Field | None) -> Plan:
     """Rate samples, of which the last is the emergency candidate, and choose."""
-    w = np.asarray(weights, dtype=float)
-    if w.shape != (3,) or not (w >= 0).all():
-        raise ValueError(f"weights must be three numbers, none negative, got {w.tolist()}")
-    border, radii = blind_spots(observation) if params.blind else (NO_POINTS, NO_RADII)
+    w = ready.weights
+    if weights is not None:
+        w = np.asarray(weights, dtype=float)
+        if w.shape != (3,) or not min(w.tolist()) >= 0:
+            raise ValueError(f"weights must be three numbers, none negative, got {w.tolist()}")
+    border, radii = blind_spots(observation) if ready.params.blind else (NO_POINTS, NO_RADII)
     values = NO_FIELD if field is None else field.values
     frame = NO_FRAME if field is None else np.array([field.resolution, *field.origin])
-    corners = NO_POINTS if params.footprint is None else np.array(params.footprint, dtype=float)
-    modes = np.array([params.distance == "end", params.bound == "as_printed"])
     points = np.ascontiguousarray(observation.points, dtype=float).reshape(-1, 2)
     raw, ways, reasons, shares, totals, best, nearest = kernels._plan(
         samples, np.asarray(observation.pose, dtype=float), np.asarray(observation.goal, dtype=float), points, border,
-        radii, values, frame, corners, _limits(robot), _settings(params), modes, w,
+        radii, values, frame, ready.corners, ready.limits, ready.settings, ready.modes, w,
     )
     chosen = len(samples) - 1 if best < 0 else best
     return Plan(
         command=samples[chosen].copy(), samples=samples, scores=shares, raw=raw, totals=totals,
         admissible=reasons == kernels.ADMISSIBLE, reasons=reasons, free=ways[:, 0], known=ways[:, 1],
-        stopping=ways[:, 3], weights=w, chosen=chosen, braking=best < 0, nearest=float(nearest),
+        stopping=ways[:, 3], weights=w.copy(), chosen=chosen, braking=best < 0, nearest=float(nearest),
     )
 
 
@@ -267,7 +289,7 @@ class Controller:
     def _way(self, observation: Observation, bend: float) -> float:
         """Free way [m] of an arc: straight ahead (0), or the tightest at half speed to the left (1) or right (-1)."""
         sample = np.array([[0.5 * self.robot.max_vel_x, bend * self.robot.max_vel_theta]])
-        return float(_rated(observation, self.robot, self.params, sample, (1, 1, 1), self.field).free[0])
+        return float(_rated(observation, _prepared(self.robot, self.params), sample, (1, 1, 1), self.field).free[0])
 
     def _turned(self, made: Plan) -> Array:
         """The admissible sample nearest to turning in place to the chosen side, backing off where the robot can."""

@@ -26,7 +26,7 @@ PARAMS = dwa.Params(omega_resolution=0.0175)  # 5 x 11 arcs, zero and full braki
 
 
 def seconds(action, repeats):
-    """Least CPU seconds of one of `repeats` calls, after a first one that does not count."""
+    """Median CPU seconds of a call over `repeats` batches of ten, after a first one that does not count."""
     action()
     times = []
     for _ in range(repeats):
@@ -34,7 +34,7 @@ def seconds(action, repeats):
         for _ in range(10):
             action()
         times.append((time.process_time() - start) / 10)
-    return min(times)
+    return float(np.median(times))
 
 
 def scene(count):
