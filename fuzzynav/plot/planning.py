@@ -214,7 +214,7 @@ def draw_eta_family(axes: Sequence[Axes], family: Mapping[str, object]) -> None:
         axes[1].plot(cumulative_length(points), curve.curvature(u), color=colour)  # type: ignore[attr-defined]
     axes[0].set(xlabel="x [m]", ylabel="y [m]")
     axes[0].set_aspect("equal", adjustable="datalim")
-    axes[0].legend()
+    axes[1].legend(*axes[0].get_legend_handles_labels(), loc="upper right")
     axes[1].set(xlabel="arc length [m]", ylabel="curvature [1/m]")
 
 
