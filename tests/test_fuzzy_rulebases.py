@@ -32,7 +32,7 @@ def test_every_file_says_what_is_printed_and_what_is_ours(name: str) -> None:
     text = (DATA / f"{name}.fll").read_text(encoding="utf-8")
     system = load(name)
     assert system.name == name
-    assert {f.stem for f in DATA.glob("*.fll")} == set(NAMES)
+    assert {f.stem for f in DATA.glob("*.fll") if not f.stem.startswith("ours_")} == set(NAMES)
     assert text.startswith("# ")
     assert "ours" in text.lower() or "not\n# printed" in text
     for variable in (*system.inputs, *system.outputs):
