@@ -281,12 +281,16 @@ rules = st.builds(
     "if {} then y is {} {} with {}".format, texts, words, st.sampled_from(["Low", "Mid", "High"]),
     st.sampled_from([1.0, 0.5, 0.25]),
 )  # fmt: skip
+# drastic and nilpotent operators jump: there two right programs may differ by the rounding of a degree near 1
+CONTINUOUS = [
+    [name for name in sorted(table) if not name.startswith(("drastic", "nilpotent"))] for table in (NORMS, CONORMS)
+]
 systems = st.builds(
     lambda r, c, d, i, agg, out, q, n: system(
         *r, conjunction=c, disjunction=d, implication=i,
         output=variable("y", aggregation=agg, defuzzifier=out, quadrature=q, resolution=n)),
-    st.lists(rules, min_size=1, max_size=6), st.sampled_from(sorted(NORMS)), st.sampled_from(sorted(CONORMS)),
-    st.sampled_from(sorted(NORMS)), st.sampled_from(sorted(CONORMS)),
+    st.lists(rules, min_size=1, max_size=6), st.sampled_from(CONTINUOUS[0]), st.sampled_from(CONTINUOUS[1]),
+    st.sampled_from(CONTINUOUS[0]), st.sampled_from(CONTINUOUS[1]),
     st.sampled_from(["centroid", "bisector", "smallest of maximum", "largest of maximum"]),
     st.sampled_from(["trapezoid", "midpoint", "sum"]), st.sampled_from([23, 50, 101]),
 )  # fmt: skip
