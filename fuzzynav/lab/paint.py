@@ -178,7 +178,7 @@ class Paint:
 
     def _paint(self) -> None:
         side, rows = self._side, self._grid.shape[0]
-        with hold_canvas(self._canvas):
+        with hold_canvas():
             back, flood, front = self._canvas[0], self._canvas[1], self._canvas[2]
             for layer in (back, flood, front):
                 layer.clear()

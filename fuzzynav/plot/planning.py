@@ -77,9 +77,8 @@ def order_image(ax: Axes, grid: GridMap, result: SearchResult) -> AxesImage:
     order = np.full(grid.shape, np.nan)
     cells = result.expanded[::-1]
     order[cells[:, 1], cells[:, 0]] = np.arange(len(cells))[::-1]
-    colours = ListedColormap([COLORS["accent"] + "88"])
-    colours.set_over((0, 0, 0, 0))
-    colours.set_bad((0, 0, 0, 0))
+    clear = (0.0, 0.0, 0.0, 0.0)
+    colours = ListedColormap([COLORS["accent"] + "88"]).with_extremes(over=clear, bad=clear)
     return ax.imshow(order, cmap=colours, vmin=-1, vmax=len(cells), origin="lower", extent=grid.extent, zorder=2)
 
 
