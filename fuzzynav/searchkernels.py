@@ -252,7 +252,7 @@ def _run(
         g = cost[node]
         left = 0x55 if four else 0xFF  # the directions still to be looked at, one bit each
         if pruned and count > 1:
-            left = _natural(flat, node, offsets, (flat[node] & _ENTERED) - 1)
+            left = _natural(flat, node, offsets, int(flat[node] & _ENTERED) - 1)
         for d in range(8):
             if not (left >> d) & 1:
                 continue
@@ -326,14 +326,14 @@ def _trace(state: Bytes, ends: Ends) -> Long:
     n = 1
     x, y = ends[2], ends[3]
     while x != ends[0] or y != ends[1]:
-        d = (state[y + 1, x + 1] & _ENTERED) - 1
+        d = int(state[y + 1, x + 1] & _ENTERED) - 1
         x, y = x - dx[d], y - dy[d]
         n += 1
     cells = np.empty((n, 2), dtype=np.int64)
     x, y = ends[2], ends[3]
     for k in range(n - 1, -1, -1):
         cells[k, 0], cells[k, 1] = x, y
-        d = (state[y + 1, x + 1] & _ENTERED) - 1
+        d = int(state[y + 1, x + 1] & _ENTERED) - 1
         if k > 0:
             x, y = x - dx[d], y - dy[d]
     return cells

@@ -24,9 +24,12 @@ SHARE, EXCESS = 0.25, 0.05  # of exercise 05.4: cells searched against Dijkstra,
 
 def _number(value: Any, what: str) -> float:
     try:
-        return float(np.asarray(value, dtype=float).reshape(()))
+        number = float(np.asarray(value, dtype=float).reshape(()))
     except (TypeError, ValueError):
         raise Wrong(f"{what} should be one number, not {value!r:.60}.") from None
+    if not np.isfinite(number):
+        raise Wrong(f"{what} should be one finite number, not {value!r:.60}.")
+    return number
 
 
 def _random_map(rng: np.random.Generator, size: int, density: float) -> GridMap:
@@ -67,7 +70,8 @@ def _check_legal(answer: Function) -> str:
                 wanted = grid.move_allowed((x, y), (dx, dy), "strict")
                 told = answer(grid.occupied.copy(), x, y, dx, dy)
                 if bool(told) != wanted:
-                    where = f"from ({x}, {y}) by ({dx}, {dy}) on\n{grid.to_ascii()}\n(top line: y = 4) "
+                    rows = " / ".join(grid.to_ascii().split("\n"))
+                    where = f"from ({x}, {y}) by ({dx}, {dy}) on the map {rows} (rows from y = 4 down to 0) "
                     if not grid.contains((x + dx, y + dy)):
                         raise Wrong(f"The step {where}leaves the map. Beware: index -1 is the last row.")
                     raise Wrong(f"The step {where}is {'legal' if wanted else 'not legal'}.")
