@@ -10,7 +10,7 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 from fuzzynav.laws import _clip, _wrap
-from fuzzynav.worldkernels import _rectangle_hits
+from fuzzynav.worldkernels import _rectangle_hits, _spacing
 
 __all__: list[str] = []
 
@@ -88,13 +88,15 @@ def _sight(block: Array, pose: Array, angles: Array, reach: float) -> Array:
     """Points (n, 4) of a resting rectangle that beams of one scan meet."""
     if np.hypot(block[0] - pose[0], block[1] - pose[1]) > reach + 0.5 * np.hypot(block[2], block[3]):
         return np.empty((0, 4))
-    cosine, sine = np.cos(pose[2] + angles), np.sin(pose[2] + angles)
+    beams = np.empty((3, angles.shape[0]))
+    beams[0] = pose[2] + angles
+    beams[1], beams[2] = np.cos(beams[0]), np.sin(beams[0])
     ranges = np.full(angles.shape[0], reach)
-    _rectangle_hits(block.reshape(1, 5), pose[0], pose[1], cosine, sine, ranges)
+    _rectangle_hits(block.reshape(1, 5), pose[0], pose[1], beams, _spacing(angles), ranges)
     out, n = np.zeros((angles.shape[0], 4)), 0
     for i in range(angles.shape[0]):
         if ranges[i] < reach:
-            out[n, 0], out[n, 1] = pose[0] + ranges[i] * cosine[i], pose[1] + ranges[i] * sine[i]
+            out[n, 0], out[n, 1] = pose[0] + ranges[i] * beams[1, i], pose[1] + ranges[i] * beams[2, i]
             n += 1
     return out[:n]
 

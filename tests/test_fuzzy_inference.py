@@ -289,7 +289,9 @@ systems = st.builds(
     lambda r, c, d, i, agg, out, q, n: system(
         *r, conjunction=c, disjunction=d, implication=i,
         output=variable("y", aggregation=agg, defuzzifier=out, quadrature=q, resolution=n)),
-    st.lists(rules, min_size=1, max_size=6), st.sampled_from(CONTINUOUS[0]), st.sampled_from(CONTINUOUS[1]),
+    st.lists(rules, min_size=1, max_size=6), st.sampled_from(CONTINUOUS[0]),
+    # a plain sum as OR leaves [0, 1], where the norms are not defined
+    st.sampled_from([name for name in CONTINUOUS[1] if name != "sum"]),
     st.sampled_from(CONTINUOUS[0]), st.sampled_from(CONTINUOUS[1]),
     st.sampled_from(["centroid", "bisector", "smallest of maximum", "largest of maximum"]),
     st.sampled_from(["trapezoid", "midpoint", "sum"]), st.sampled_from([23, 50, 101]),
