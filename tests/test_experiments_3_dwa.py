@@ -124,10 +124,9 @@ def test_the_stored_comparison_is_whole_and_fresh() -> None:
     assert set(table["method"]) == set(dwa_study.methods())
     assert (table.groupby("case").size() == 2 * len(dwa_study.methods())).all()
     tuned = batch.read(dwa_study.RESULTS / "dwa_comparison_tuned.csv")
-    assert set(tuned["case"]) == set(dwa_study.CASES)
+    assert list(tuned["case"]) == list(dwa_study.CASES)
     for case in recompute("dwa_comparison"):
-        for stored, fresh in zip(rows_of("dwa_comparison_tuned", case), dwa_study.compare_tuned(case), strict=True):
-            assert alike(stored, fresh), (case, stored, fresh)
+        assert alike(rows_of("dwa_comparison_tuned", case)[0], dwa_study.compare_tuned(case)), case
         for stored, fresh in zip(rows_of("dwa_comparison", case), dwa_study.compare(case), strict=True):
             assert alike(stored, fresh), (case, stored, fresh)
 

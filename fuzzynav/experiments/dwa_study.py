@@ -95,16 +95,11 @@ def compare(case: str) -> list[dict[str, Any]]:
     return rows
 
 
-def compare_tuned(case: str) -> list[dict[str, Any]]:
-    """The rows of both tuned rule bases, and of the best fixed weights for the end of the arc, on this case's map."""
-    end = Params(weights=best_fixed("end"), distance="end")
-    rows = [
-        _row(case, "fuzzy tuned", Params(weights=best_fixed()), shipped("ours_dwa_tuned")),
-        _row(case, "best fixed for the end", end, None),
-        _row(case, "fuzzy tuned for the end", end, shipped("ours_dwa_tuned_end")),
-    ]
+def compare_tuned(case: str) -> dict[str, Any]:
+    """The row of the tuned rule base on this case's map."""
+    row = _row(case, "fuzzy tuned", Params(weights=best_fixed()), shipped("ours_dwa_tuned"))
     _scene.cache_clear()
-    return rows
+    return row
 
 
 def _row(case: str, name: str, params: Params, rules: Tables | None) -> dict[str, Any]:
@@ -132,19 +127,10 @@ def fixed_weights(step: float = 0.05) -> tuple[str, ...]:
     return tuple(f"{i / n:.3f}/{j / n:.3f}/{(n - i - j) / n:.3f}" for i in range(n + 1) for j in range(n + 1 - i))
 
 
-def _weights_of(case: str) -> tuple[float, float, float]:
-    a, b, c = (float(w) for w in case.split("/"))
-    return a, b, c
-
-
 def score_weights(case: str) -> dict[str, float]:
-    """Mean penalised time [s] and successes of fixed weights over the training maps, distance along the arc."""
-    return mean_score(Params(weights=_weights_of(case)), None, TRAINING)
-
-
-def score_weights_end(case: str) -> dict[str, float]:
-    """The same with the distance scored at the end of the arc."""
-    return mean_score(Params(weights=_weights_of(case), distance="end"), None, TRAINING)
+    """Mean penalised time [s] and successes of fixed weights over the training maps."""
+    params = Params(weights=tuple(float(w) for w in case.split("/")))  # type: ignore[arg-type]
+    return mean_score(params, None, TRAINING)
 
 
 def mean_score(params: Params, rules: Tables | None, cases: tuple[str, ...]) -> dict[str, float]:
@@ -157,17 +143,17 @@ def mean_score(params: Params, rules: Tables | None, cases: tuple[str, ...]) -> 
 
 
 @cache
-def best_fixed(scored: str = "arc") -> tuple[float, float, float]:
+def best_fixed() -> tuple[float, float, float]:
     """The fixed weights of least mean penalised time on the training maps; FileNotFoundError before the search."""
-    name = "dwa_fixed_search" if scored == "arc" else "dwa_fixed_search_end"
-    table: pd.DataFrame = batch.read(RESULTS / f"{name}.csv")
-    return _weights_of(str(table.sort_values(["time", "case"])["case"].iloc[0]))
+    table: pd.DataFrame = batch.read(RESULTS / "dwa_fixed_search.csv")
+    case = str(table.sort_values(["time", "case"])["case"].iloc[0])
+    a, b, c = (float(w) for w in case.split("/"))
+    return a, b, c
 
 
 def run_fixed_search() -> None:
-    """Search the best fixed weights; writes data/results/dwa_fixed_search.csv and dwa_fixed_search_end.csv."""
+    """Search the best fixed weights; writes data/results/dwa_fixed_search.csv."""
     batch.run(score_weights, fixed_weights(), path=RESULTS / "dwa_fixed_search.csv")
-    batch.run(score_weights_end, fixed_weights(), path=RESULTS / "dwa_fixed_search_end.csv")
 
 
 def run_comparison() -> None:
@@ -176,15 +162,15 @@ def run_comparison() -> None:
 
 
 def run_tuned_comparison() -> None:
-    """The tuned rule base, and the best fixed weights for the end, on the same maps: dwa_comparison_tuned.csv."""
+    """The tuned rule base on the same maps; writes data/results/dwa_comparison_tuned.csv."""
     batch.run(compare_tuned, CASES, path=RESULTS / "dwa_comparison_tuned.csv")
 
 
 def comparison(scored: str = "arc") -> pd.DataFrame:
-    """The stored comparison, for one way of scoring the distance or "any"; the base was tuned for the arc."""
+    """The stored comparison, for one way of scoring the distance; the base was tuned for the way along the arc."""
     names = ("dwa_comparison", "dwa_comparison_tuned")
     table = pd.concat([batch.read(RESULTS / f"{name}.csv") for name in names], ignore_index=True)
-    return table if scored == "any" else table[table["scored"] == scored].drop(columns="scored")
+    return table[table["scored"] == scored].drop(columns="scored")
 
 
 def penalised_gain(table: pd.DataFrame, first: str, second: str) -> tuple[float, float, float]:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,9 +21,7 @@ from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.variable import RuleBlock
 from fuzzynav.geometry import Array
 
-__all__ = ["VALIDATION", "evolve", "run_tuning", "start_vector", "system_of", "tune"]
-
-Scored = Literal["arc", "end"]
+__all__ = ["VALIDATION", "evolve", "run_tuning", "start_vector", "system_of"]
 
 VALIDATION = tuple(f"{density}/{seed}" for density in DENSITIES for seed in range(20000, 20050))
 GENERATIONS = 32
@@ -32,7 +29,7 @@ TERMS = {"headGoal": ("Little", "Lots"), "distObs": ("Close", "Medium", "Far"), 
 TOPS = {"headGoal": 180.0, "distObs": 15.0, "velRob": 1.0}
 KNOTS = np.array([30.0, 90.0, 0.5, 1.5, 3.0, 0.2, 0.7])  # where the sets begin to fall and to rise
 SPREAD = np.array([10.0, 20.0, 0.2, 0.4, 0.8, 0.1, 0.2])
-FOLDER = Path(__file__).parents[2] / "data" / "fuzzy"
+OUT = Path(__file__).parents[2] / "data" / "fuzzy" / "ours_dwa_tuned.fll"
 
 
 def start_vector(weights: ArrayLike) -> Array:
@@ -121,11 +118,12 @@ def evolve(cost: Callable[[Array], float], start: Array, sigma: float, generatio
     return means
 
 
-def _score(case: str, scored: Scored) -> dict[str, float]:
+def score_generation(case: str) -> dict[str, float]:
     """Training and validation score of one generation's mean; the case is its number and its vector."""
     number, _, text = case.partition(":")
-    base = Params(weights=best_fixed(scored), distance=scored)
-    rules = tables_of(system_of([float(x) for x in text.split()]))
+    vector = np.array([float(x) for x in text.split()])
+    base = Params(weights=best_fixed())
+    rules = tables_of(system_of(vector))
     train, held = mean_score(base, rules, TRAINING), mean_score(base, rules, VALIDATION)
     return {
         "generation": int(number), "time": train["time"], "success": train["success"],
@@ -133,39 +131,22 @@ def _score(case: str, scored: Scored) -> dict[str, float]:
     }
 
 
-def score_generation(case: str) -> dict[str, float]:
-    """The score of one generation, distance along the arc."""
-    return _score(case, "arc")
+def run_tuning() -> None:
+    """Tune, write each generation's score to data/results/dwa_tuning.csv and the best on validation maps as .fll.
 
-
-def score_generation_end(case: str) -> dict[str, float]:
-    """The score of one generation, distance at the end of the arc."""
-    return _score(case, "end")
-
-
-def tune(scored: Scored) -> None:
-    """Tune, write each fourth generation's score to a CSV file and the best on validation maps as .fll.
-
-    The evolution itself is not resumed: it is repeated from its seed where one of its two files is missing.
+    The evolution itself is not resumed: it is repeated from its seed when the file of scores is missing.
     """
-    end = "" if scored == "arc" else "_end"
-    path, out = RESULTS / f"dwa_tuning{end}.csv", FOLDER / f"ours_dwa_tuned{end}.fll"
-    if path.exists() and out.exists():
+    path = RESULTS / "dwa_tuning.csv"
+    best = best_fixed()
+    if path.exists() and OUT.exists():
         return
-    weights = best_fixed(scored)
-    base = Params(weights=weights, distance=scored)
+    base = Params(weights=best)
 
     def cost(vector: Array) -> float:
         return mean_score(base, tables_of(system_of(vector)), TRAINING)["time"]
 
-    means = evolve(cost, start_vector(weights), 0.5, GENERATIONS)
+    means = evolve(cost, start_vector(best), 0.5, GENERATIONS)
     cases = [f"{k}:" + " ".join(f"{x:.5f}" for x in mean) for k, mean in enumerate(means)]
-    table = batch.run(score_generation_end if end else score_generation, cases[::4], path=path)
+    table = batch.run(score_generation, cases[::4], path=path)
     winner = str(table.sort_values(["held_time", "generation"])["case"].iloc[0])
-    system_of([float(x) for x in winner.partition(":")[2].split()], f"ours_dwa_tuned{end}").save(out)
-
-
-def run_tuning() -> None:
-    """Tune a rule base for each way of scoring the distance; writes data/results/dwa_tuning.csv and _end.csv."""
-    tune("arc")
-    tune("end")
+    system_of(np.array([float(x) for x in winner.partition(":")[2].split()])).save(OUT)

@@ -244,7 +244,7 @@ def draw_success(ax: Axes, table: pd.DataFrame, labels: Sequence[str] | None = N
     ax.set_yticks(range(len(methods)), labels or methods)
     ax.invert_yaxis()
     ax.set(xlabel="share of maps on which the goal was reached", xlim=(0.0, 1.0))
-    ax.legend(loc="upper right")
+    ax.legend(loc="lower right")
     return made
 
 
