@@ -184,7 +184,7 @@ def _search(
         outcome = _run(flat, state.shape[1], cost, expanded, entries, queues, heap, table, tally,
                        ends, choices, weight, log_base, resolution)
         if outcome != _FULL:
-            return outcome == _FOUND, expanded[: tally[3]]
+            return outcome == _FOUND, expanded[: tally[3]].copy()
         if tally[0] + 8 > entries.shape[0]:
             entries = _longer(entries)
         if tally[1] + 8 > queues.shape[0]:
