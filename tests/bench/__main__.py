@@ -10,6 +10,8 @@ import importlib
 import sys
 from pathlib import Path
 
+from fuzzynav.course.readme import rendered
+
 HERE = Path(__file__).resolve().parent
 HOME = HERE.parent.parent
 RESULTS = HOME / "data" / "results" / "bench.csv"
@@ -36,21 +38,8 @@ def merge(rows, names):
 
 def write_readme():
     """Put the table of the results between its marks in README.md."""
-    readme = HOME / "README.md"
-    text = readme.read_text(encoding="utf-8") if readme.exists() else ""
-    start, end = "<!-- bench: generated -->\n", "<!-- /bench -->"
-    if start not in text or end not in text:
-        return
-    with open(RESULTS, newline="", encoding="utf-8") as file:
-        results = list(csv.DictReader(file))
-    lines = ["| task | ours | peer | ratio | peer is | answers |", "| --- | ---: | ---: | ---: | --- | --- |"]
-    for row in results:
-        ours, peer, ratio = (show(float(row[key]) if row[key] else None) for key in ("ours", "peer", "ratio"))
-        lines.append(
-            f"| {row['task']} [{row['unit']}] | {ours} | {peer} | {ratio} | {row['peer_name']} | {row['agreement']} |"
-        )
-    before, _, rest = text.partition(start)
-    readme.write_text(before + start + "\n".join(lines) + "\n" + end + rest.partition(end)[2], encoding="utf-8")
+    path = HOME / "README.md"
+    path.write_text(rendered(path.read_text(encoding="utf-8"), HOME), encoding="utf-8")
 
 
 def main(arguments):
@@ -73,10 +62,11 @@ def main(arguments):
     for line in table:
         print("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
     RESULTS.parent.mkdir(parents=True, exist_ok=True)
+    merged = merge(rows, set(arguments))  # reads the file, so before it is opened anew
     with open(RESULTS, "w", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, ("bench", *FIELDS), lineterminator="\n")
         writer.writeheader()
-        writer.writerows(merge(rows, set(arguments)))
+        writer.writerows(merged)
     write_readme()
     print(f"\nwritten to {RESULTS.relative_to(HOME)} and README.md")
     return 0
