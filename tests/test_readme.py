@@ -10,7 +10,10 @@ README = (HOME / "README.md").read_text(encoding="utf-8")
 
 
 def test_generated_parts_are_up_to_date() -> None:
-    assert rendered(README, HOME) == README, "run `python -m fuzzynav.course.readme`"
+    def steady(text: str) -> str:  # counts of verdicts: some claims compare times measured now
+        return re.sub(r"(?m)^\| [^|]+ \|( \d+ \|){6}$", "", text)
+
+    assert steady(rendered(README, HOME)) == steady(README), "run `python -m fuzzynav.course.readme`"
 
 
 def test_every_verb_named_exists_and_every_verb_is_helped() -> None:
