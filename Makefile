@@ -23,23 +23,23 @@ lab: .venv/kernels
 	@$(RUN) -m jupyter lab notebooks/00_start_here.ipynb
 
 test:
-	@$(PYTHON) fuzzynav/environment.py --test
+	@$(PYTHON) tools/environment.py --test
 	@$(MAKE) --no-print-directory .venv/kernels
 	@echo "running the tests and every notebook"
 	@$(RUN) -m pytest -q -rs -n $(WORKERS) --dist loadfile --nbval tests fuzzynav notebooks
 
 # the compiled kernels are cached beside the sources; anew only when a source changed
 .venv/kernels: pyproject.toml constraints.txt $(SOURCES)
-	@$(PYTHON) fuzzynav/environment.py
+	@$(PYTHON) tools/environment.py
 	@$(RUN) -m fuzzynav.warm
 	@touch $@
 
 reproduce: .venv/kernels
-	@$(RUN) -m fuzzynav.experiments
+	@$(RUN) -m fuzzynav.studies
 	@$(RUN) -m fuzzynav.published
 
 bench:
-	@$(PYTHON) fuzzynav/environment.py --bench
+	@$(PYTHON) tools/environment.py --bench
 	@$(RUN) tests/bench
 
 handout: .venv/kernels
@@ -54,7 +54,7 @@ reset: .venv/kernels
 	@$(RUN) -m fuzzynav.course reset "$(NB)"
 
 wheels:
-	@$(PYTHON) fuzzynav/environment.py --download
+	@$(PYTHON) tools/environment.py --download
 
 notebooks: .venv/kernels
 	@$(RUN) tests/notebooks/store.py notebooks/$(NB)*.ipynb

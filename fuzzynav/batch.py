@@ -240,7 +240,10 @@ def paired(
     draws = gap[rng.integers(0, len(gap), (2000, len(gap)))].mean(axis=1)
     low, high = np.quantile(draws, [0.025, 0.975])
     return {
-        "pairs": len(gap), "mean": float(gap.mean()), "low": float(low), "high": float(high),
+        "pairs": len(gap),
+        "mean": float(gap.mean()),
+        "low": float(low),
+        "high": float(high),
         "smaller": float((gap < 0).mean()),
     }
 

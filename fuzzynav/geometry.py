@@ -11,8 +11,17 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 __all__ = [
-    "Array", "compose", "cumulative_length", "curvature", "inverse", "length",
-    "point_segment_distance", "resample", "to_body", "to_world", "wrap",
+    "Array",
+    "compose",
+    "cumulative_length",
+    "curvature",
+    "inverse",
+    "length",
+    "point_segment_distance",
+    "resample",
+    "to_body",
+    "to_world",
+    "wrap",
 ]
 
 

@@ -14,9 +14,7 @@ from __future__ import annotations
 
 import argparse
 import csv
-import importlib
 import json
-import pkgutil
 import re
 import sys
 import textwrap
@@ -27,13 +25,25 @@ from pathlib import Path
 
 import pandas as pd
 
-import fuzzynav.experiments
-from fuzzynav.experiments.reproduction import VERDICTS, Measured, Reproduction, Verdict
-from fuzzynav.printed import Claim, Item, claim, claims, folder, item, items
+from fuzzynav.data import folder
+from fuzzynav.documents import Claim, Item, claim, claims, item, items
+from fuzzynav.studies import claims_of, topics
+from fuzzynav.studies.reproduction import VERDICTS, Measured, Reproduction, Verdict
 
 __all__ = [
-    "Claim", "Item", "Row", "Table", "claim", "claims", "item", "items", "ledger", "reproduced_items",
-    "reproductions", "table", "verdict",
+    "Claim",
+    "Item",
+    "Row",
+    "Table",
+    "claim",
+    "claims",
+    "item",
+    "items",
+    "ledger",
+    "reproduced_items",
+    "reproductions",
+    "table",
+    "verdict",
 ]
 
 
@@ -50,7 +60,7 @@ class Row:
     ours: str
     verdict: str
     why: str
-    chapter: str
+    topic: str
 
 
 class Table(pd.DataFrame):
@@ -70,10 +80,9 @@ class Table(pd.DataFrame):
 
 
 def reproductions() -> dict[str, tuple[Reproduction, ...]]:
-    """The reproductions of each chapter present in `fuzzynav.experiments`, by chapter name ('3', '5a')."""
-    names = [m.name for m in pkgutil.iter_modules(fuzzynav.experiments.__path__)]
-    chapters = sorted((n.removeprefix("chapter_") for n in names if n.startswith("chapter_")), key=_chapter_order)
-    return {_plain(n): importlib.import_module(f"fuzzynav.experiments.chapter_{n}").REPRODUCTIONS for n in chapters}
+    """The reproductions of each topic in `fuzzynav.studies`, by the topic's name ('dwa')."""
+    modules = {topic: claims_of(topic) for topic in topics()}
+    return {topic: m.REPRODUCTIONS for topic, m in modules.items() if hasattr(m, "REPRODUCTIONS")}
 
 
 def verdict(published: Claim, ours: Measured, reproduction: Reproduction) -> Verdict:
@@ -88,20 +97,19 @@ def verdict(published: Claim, ours: Measured, reproduction: Reproduction) -> Ver
     return "direction holds" if published.unit == "%" and same_sign else "not reproduced"
 
 
-def table(chapter: int | str) -> Table:
-    """Published against reproduced for one chapter; raises ValueError if it has no reproductions."""
+def table(topic: str) -> Table:
+    """Published against reproduced for one topic; raises ValueError if it has no reproductions."""
     known = reproductions()
-    name = _plain(str(chapter))
-    if name not in known:
-        raise ValueError(f"chapter {chapter} has no reproductions; there are: {', '.join(known) or 'none yet'}")
-    rows = [_row(r, name) for r in known[name]]
+    if topic not in known:
+        raise ValueError(f"topic {topic} has no reproductions; there are: {', '.join(known) or 'none yet'}")
+    rows = [_row(r, topic) for r in known[topic]]
     shown = ["claim", "quantity", "setting", "unit", "published", "ours", "verdict", "why"]
     return Table([[getattr(row, key) for key in shown] for row in rows], columns=shown).set_index("claim")
 
 
 def ledger() -> list[Row]:
     """One row for each claim of the documents, in file order."""
-    made = {r.claim: (r, chapter) for chapter, group in reproductions().items() for r in group}
+    made = {r.claim: (r, topic) for topic, group in reproductions().items() for r in group}
     for claim_id in made:
         claim(claim_id)
     return [_row(*made[c.id]) if c.id in made else _open_row(c) for c in claims().values()]
@@ -110,21 +118,12 @@ def ledger() -> list[Row]:
 def reproduced_items() -> dict[str, list[str]]:
     """The notebooks that reproduce each item, found by the cell tags `item:<id>`."""
     found: dict[str, list[str]] = {}
-    for path in sorted((folder().parents[1] / "notebooks").glob("*.ipynb")):
+    for path in sorted((folder("published").parents[1] / "notebooks").glob("*.ipynb")):
         for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
             for tag in cell["metadata"].get("tags", []):
                 if tag.startswith("item:") and path.stem not in found.setdefault(tag[5:], []):
                     found[tag[5:]].append(path.stem)
     return found
-
-
-def _plain(chapter: str) -> str:
-    return chapter.lstrip("0") or "0"
-
-
-def _chapter_order(name: str) -> tuple[int, str]:
-    digits = re.match(r"\d*", name)
-    return int(digits[0] or 99) if digits else 99, name
 
 
 def _is_number(value: object) -> bool:
@@ -142,16 +141,16 @@ def _agrees(published: float | bool | str, ours: Measured, tolerance: float) -> 
     return float(ours) > float(bound[2]) if bound[1] == ">" else float(ours) < float(bound[2])
 
 
-def _row(reproduction: Reproduction, chapter: str) -> Row:
+def _row(reproduction: Reproduction, topic: str) -> Row:
     c = claim(reproduction.claim)
     try:
         ours = reproduction.measure() if reproduction.measure is not None else ""
     except FileNotFoundError as error:  # a study that was not run yet
-        return replace(_open_row(c), why=str(error), chapter=chapter)
+        return replace(_open_row(c), why=str(error), topic=topic)
     ours = getattr(ours, "item", lambda: ours)()  # numpy's own scalars
     decision = verdict(c, ours, reproduction)
     why = "; ".join(part for part in (reproduction.because, reproduction.ours) if part)
-    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, _words(ours, c), decision, why, chapter)
+    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, _words(ours, c), decision, why, topic)
 
 
 def _open_row(c: Claim) -> Row:
@@ -191,12 +190,22 @@ def _print_items() -> None:
     done = reproduced_items()
     missing = [i for i in items().values() if i.id not in done and i.reproducible != "no"]
     impossible = sum(i.reproducible == "no" for i in items().values())
-    print(f"\nfigures, tables and equations: {len(done)} in notebooks, {len(missing)} not yet, "
-          f"{impossible} cannot be (photographs and the like)")
+    print(
+        f"\nfigures, tables and equations: {len(done)} in notebooks, {len(missing)} not yet, "
+        f"{impossible} cannot be (photographs and the like)"
+    )
     for topic in dict.fromkeys(i.topic for i in missing):
         names = [i.id for i in missing if i.topic == topic]
-        print(textwrap.fill(f"{topic} ({len(names)}): {', '.join(names)}", 116, initial_indent="  ",
-                            subsequent_indent="    ", break_long_words=False, break_on_hyphens=False))
+        print(
+            textwrap.fill(
+                f"{topic} ({len(names)}): {', '.join(names)}",
+                116,
+                initial_indent="  ",
+                subsequent_indent="    ",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+        )
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

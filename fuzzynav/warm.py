@@ -16,21 +16,21 @@ from tqdm import tqdm
 PACKAGE = Path(__file__).resolve().parent
 
 MODULES: tuple[str, ...] = (
-    "fuzzynav.avoidance",
-    "fuzzynav.dwa_contact",
-    "fuzzynav.dwa_kernels",
-    "fuzzynav.experiments.dwa_loop",
+    "fuzzynav.blend.kernels",
+    "fuzzynav.blend.points",
+    "fuzzynav.dwa.contact",
+    "fuzzynav.dwa.fast",
+    "fuzzynav.dwa.kernels",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
     "fuzzynav.fuzzy.set_kernels",
-    "fuzzynav.gridkernels",
-    "fuzzynav.laws",
-    "fuzzynav.mapping",
-    "fuzzynav.obstacle_points",
-    "fuzzynav.particles",
-    "fuzzynav.searchkernels",
-    "fuzzynav.visibility",
-    "fuzzynav.worldkernels",
+    "fuzzynav.localization.particles",
+    "fuzzynav.mapping.occupancy",
+    "fuzzynav.maps.kernels",
+    "fuzzynav.planning.kernels",
+    "fuzzynav.planning.visibility",
+    "fuzzynav.tracking.kernels",
+    "fuzzynav.world.kernels",
 )
 
 

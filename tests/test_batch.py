@@ -23,8 +23,10 @@ def walk(seed: int) -> list[dict[str, object]]:
     rng = np.random.default_rng(seed)
     return [
         {
-            "method": name, "success": bool(rng.random() < 0.7),
-            "length": float(rng.normal(10 + k, 1)), "turns": int(rng.integers(9)),
+            "method": name,
+            "success": bool(rng.random() < 0.7),
+            "length": float(rng.normal(10 + k, 1)),
+            "turns": int(rng.integers(9)),
         }
         for k, name in enumerate(("long", "short, and with a comma"))
     ]

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fuzzynav import printed, published
-from fuzzynav.experiments.reproduction import VERDICTS, Reproduction
+from fuzzynav import documents, published
+from fuzzynav.studies.reproduction import VERDICTS, Reproduction
 
 LENGTH = published.claim("thesis:c-3.4-S1-TA-len")
 PERCENT = published.claim("thesis:c-3.4-pct-4")
@@ -39,40 +39,46 @@ def test_unknown_names_are_answered_with_near_ones():
         published.claim("thesis:c-nothing")
     with pytest.raises(ValueError, match="no published item"):
         published.item("thesis:fig-99")
-    with pytest.raises(ValueError, match="chapter 77 has no reproductions"):
-        published.table(77)
+    with pytest.raises(ValueError, match="topic chess has no reproductions"):
+        published.table("chess")
 
 
 def verdict(claim, ours, **more):
     return published.verdict(claim, ours, Reproduction(claim=claim.id, measure=lambda: ours, **more))
 
 
-@pytest.mark.parametrize(("claim", "ours", "more", "expected"), [
-    (LENGTH, 24.7279, {}, "reproduced"),
-    (LENGTH, 24.735, {}, "reproduced"),
-    (LENGTH, 24.7351, {}, "not reproduced"),
-    (LENGTH, 25.0, {"tolerance": 0.5}, "reproduced"),
-    (LENGTH, 30.0, {"direction": lambda: True}, "direction holds"),
-    (LENGTH, 30.0, {"direction": lambda: False}, "not reproduced"),
-    (LENGTH, math.nan, {}, "not reproduced"),
-    (PERCENT, 60.0, {}, "reproduced"),
-    (PERCENT, 31.0, {}, "direction holds"),
-    (PERCENT, -2.0, {}, "not reproduced"),
-    (PERCENT, 0.6, {}, "direction holds"),  # a fraction is not the percentage
-])
+@pytest.mark.parametrize(
+    ("claim", "ours", "more", "expected"),
+    [
+        (LENGTH, 24.7279, {}, "reproduced"),
+        (LENGTH, 24.735, {}, "reproduced"),
+        (LENGTH, 24.7351, {}, "not reproduced"),
+        (LENGTH, 25.0, {"tolerance": 0.5}, "reproduced"),
+        (LENGTH, 30.0, {"direction": lambda: True}, "direction holds"),
+        (LENGTH, 30.0, {"direction": lambda: False}, "not reproduced"),
+        (LENGTH, math.nan, {}, "not reproduced"),
+        (PERCENT, 60.0, {}, "reproduced"),
+        (PERCENT, 31.0, {}, "direction holds"),
+        (PERCENT, -2.0, {}, "not reproduced"),
+        (PERCENT, 0.6, {}, "direction holds"),  # a fraction is not the percentage
+    ],
+)
 def test_verdicts_on_numbers(claim, ours, more, expected):
     assert verdict(claim, ours, **more) == expected
 
 
-@pytest.mark.parametrize(("name", "ours", "expected"), [
-    ("thesis:c-3.4-S1-TA-smooth", "No", "reproduced"),
-    ("thesis:c-3.4-S1-TA-smooth", "Yes", "not reproduced"),
-    ("thesis:c-formula-4", True, "reproduced"),
-    ("thesis:c-formula-4", False, "not reproduced"),
-    ("thesis:c-formula-4", 1.0, "not reproduced"),
-    ("fuzzy-planner:c-opt90", 93.0, "reproduced"),
-    ("fuzzy-planner:c-opt90", 88.0, "not reproduced"),
-])
+@pytest.mark.parametrize(
+    ("name", "ours", "expected"),
+    [
+        ("thesis:c-3.4-S1-TA-smooth", "No", "reproduced"),
+        ("thesis:c-3.4-S1-TA-smooth", "Yes", "not reproduced"),
+        ("thesis:c-formula-4", True, "reproduced"),
+        ("thesis:c-formula-4", False, "not reproduced"),
+        ("thesis:c-formula-4", 1.0, "not reproduced"),
+        ("fuzzy-planner:c-opt90", 93.0, "reproduced"),
+        ("fuzzy-planner:c-opt90", 88.0, "not reproduced"),
+    ],
+)
 def test_verdicts_on_words_truths_and_bounds(name, ours, expected):
     assert verdict(published.claim(name), ours) == expected
 
@@ -101,12 +107,12 @@ def one_chapter(monkeypatch):
         Reproduction(claim=PERCENT.id, measure=lambda: 33.3333, ours="the map"),
         Reproduction(claim="thesis:c-formula-2", because="P = 1.4 there", verdict="contradicts itself"),
     )
-    monkeypatch.setattr(published, "reproductions", lambda: {"5": rows})
+    monkeypatch.setattr(published, "reproductions", lambda: {"maps": rows})
     return rows
 
 
 def test_a_chapters_table(one_chapter):
-    table = published.table("05")
+    table = published.table("maps")
     assert list(table["verdict"]) == ["reproduced", "direction holds", "contradicts itself"]
     assert list(table["published"]) == ["24.73", "60", "true"]
     assert list(table["ours"]) == ["24.728", "33.3", ""]
@@ -129,15 +135,15 @@ def test_a_study_that_was_not_run_is_not_yet(monkeypatch):
     def measure():
         raise FileNotFoundError("runs.csv is not there yet")
 
-    monkeypatch.setattr(published, "reproductions", lambda: {"5": (Reproduction(claim=LENGTH.id, measure=measure),)})
-    table = published.table(5)
+    monkeypatch.setattr(published, "reproductions", lambda: {"maps": (Reproduction(claim=LENGTH.id, measure=measure),)})
+    table = published.table("maps")
     assert list(table["verdict"]) == ["not yet"]
     assert list(table["why"]) == ["runs.csv is not there yet"]
 
 
 def test_a_reproduction_of_an_unknown_claim_is_refused(one_chapter, monkeypatch):
     wrong = (replace(one_chapter[0], claim="thesis:c-typo"),)
-    monkeypatch.setattr(published, "reproductions", lambda: {"5": wrong})
+    monkeypatch.setattr(published, "reproductions", lambda: {"maps": wrong})
     with pytest.raises(ValueError, match="no published claim 'thesis:c-typo'"):
         published.ledger()
 
@@ -156,6 +162,6 @@ def test_items_in_notebooks_exist():
 
 def test_a_damaged_file_names_its_row(tmp_path, monkeypatch):
     (tmp_path / "claims.csv").write_text("id,value\na,b,c\n")
-    monkeypatch.setattr(printed, "folder", lambda: tmp_path)
+    monkeypatch.setattr(documents, "folder", lambda name: tmp_path)
     with pytest.raises(ValueError, match=r"claims\.csv, row 2: 9 fields are needed, found 3"):
-        printed._rows("claims.csv", 9)
+        documents._rows("claims.csv", 9)

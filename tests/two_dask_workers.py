@@ -17,9 +17,7 @@ def experiment(seed: int) -> dict[str, object]:
 
 
 def main() -> None:
-    cluster = LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1"
-    )
+    cluster = LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1")
     with cluster, Client(cluster) as client:
         table = batch.run(experiment, range(37), executor=client.get_executor(), progress=False)
         print(len(client.scheduler_info()["workers"]))

@@ -2,9 +2,19 @@
 
 from fuzzynav.course.chapters import chapters
 from fuzzynav.course.exercise import Exercise, Outcome, Wrong
-from fuzzynav.course.reader import check, exercises, hint, items, show, solution
+from fuzzynav.course.reader import all_exercises, check, hint, items, show, solution
 from fuzzynav.course.readiness import ready
 
 __all__ = [
-    "Exercise", "Outcome", "Wrong", "chapters", "check", "exercises", "hint", "items", "ready", "show", "solution",
+    "Exercise",
+    "Outcome",
+    "Wrong",
+    "chapters",
+    "check",
+    "all_exercises",
+    "hint",
+    "items",
+    "ready",
+    "show",
+    "solution",
 ]

@@ -24,7 +24,7 @@ from nbformat import NotebookNode
 from fuzzynav.course.exercise import Exercise
 from fuzzynav.course.folders import notebooks_of, write_whole
 from fuzzynav.course.handout import exercise_tag
-from fuzzynav.course.reader import GRADE_MIME, exercises
+from fuzzynav.course.reader import GRADE_MIME, all_exercises
 
 __all__ = ["Grade", "grade_folder", "grade_notebook", "prepare", "write_grades"]
 
@@ -51,8 +51,9 @@ class Task:
     exercises: tuple[Exercise, ...]
 
 
-def grade_folder(root: Path, handed_in: Path, *, seconds: int = 60, jobs: int = 1,
-                 progress: Callable[[int], object] | None = None) -> list[Grade]:
+def grade_folder(
+    root: Path, handed_in: Path, *, seconds: int = 60, jobs: int = 1, progress: Callable[[int], object] | None = None
+) -> list[Grade]:
     """Grades of every `handed_in/<student>/NN_*.ipynb`, by student and exercise.
 
     `seconds` limits each cell. `progress` is called with 1 after each notebook. Raises
@@ -66,7 +67,7 @@ def grade_folder(root: Path, handed_in: Path, *, seconds: int = 60, jobs: int = 
             grades += future.result()
             if progress is not None:
                 progress(1)
-    order = {name: k for k, name in enumerate(exercises())}
+    order = {name: k for k, name in enumerate(all_exercises())}
     return sorted(grades, key=lambda g: (g.student, order[g.exercise]))
 
 
@@ -77,7 +78,7 @@ def list_tasks(root: Path, handed_in: Path) -> Iterator[Task]:
     students = sorted(p for p in handed_in.iterdir() if p.is_dir() and not p.name.startswith("."))
     if not students:
         raise ValueError(f"{handed_in.name} holds no folders; it must hold one folder for each student")
-    known = exercises()
+    known = all_exercises()
     for path in notebooks_of(root):
         reference = json.loads(path.read_text(encoding="utf-8"))
         names = [name for cell in reference["cells"] if (name := exercise_tag(cell, "check"))]
@@ -163,8 +164,14 @@ def _check_cell(name: str, source: str | list[str]) -> NotebookNode:
 def _run(notebook: NotebookNode, folder: Path, seconds: int) -> tuple[int | None, str]:
     """Run all cells; the index of a cell that stopped the run and why, or None."""
     manager = AsyncKernelManager(kernel_name="python3")
-    client = NotebookClient(notebook, km=manager, timeout=seconds, allow_errors=True, store_widget_state=False,
-                            resources={"metadata": {"path": str(folder)}})
+    client = NotebookClient(
+        notebook,
+        km=manager,
+        timeout=seconds,
+        allow_errors=True,
+        store_widget_state=False,
+        resources={"metadata": {"path": str(folder)}},
+    )
     environment = {**os.environ, "FUZZYNAV_GRADE": "1"}
     index = 0
     try:
@@ -189,6 +196,10 @@ def _read(run: NotebookNode, name: str, lost: str | None) -> Grade:
                     return Grade("", name, int(record["points"]), str(record["sentence"]))
             errors = [o for o in cell.outputs if o.output_type == "error"]
             if errors:
-                return Grade("", name, 0, f"Exercise {name}: not yet. The answer is missing "
-                                          f"({errors[-1].ename}: {errors[-1].evalue}).")
+                return Grade(
+                    "",
+                    name,
+                    0,
+                    f"Exercise {name}: not yet. The answer is missing ({errors[-1].ename}: {errors[-1].evalue}).",
+                )
     return Grade("", name, 0, f"Exercise {name}: the check gave no result.")

@@ -14,12 +14,12 @@ from typing import Any
 
 from IPython.display import display
 
-import fuzzynav.course
+import fuzzynav.course.exercises
 from fuzzynav import published
 from fuzzynav.course.exercise import Exercise, Outcome, judge
 from fuzzynav.course.folders import solutions_folder
 
-__all__ = ["GRADE_MIME", "Source", "check", "exercises", "hint", "items", "show", "solution"]
+__all__ = ["GRADE_MIME", "Source", "all_exercises", "check", "hint", "items", "show", "solution"]
 
 GRADE_MIME = "application/vnd.fuzzynav.grade+json"
 
@@ -59,13 +59,13 @@ def show(*objects: Any) -> Source:
     return Source("\n\n\n".join(texts), ", ".join(_title(thing) for thing in objects))
 
 
-def exercises() -> dict[str, Exercise]:
+def all_exercises() -> dict[str, Exercise]:
     """Every exercise of the chapters present, by id, in order."""
     found: dict[str, Exercise] = {}
-    names = sorted(m.name for m in pkgutil.iter_modules(fuzzynav.course.__path__))
+    names = sorted(m.name for m in pkgutil.iter_modules(fuzzynav.course.exercises.__path__))
     for name in names:
         if re.fullmatch(r"ch\d\d[ab]?", name):
-            for exercise in importlib.import_module(f"fuzzynav.course.{name}").EXERCISES:
+            for exercise in importlib.import_module(f"fuzzynav.course.exercises.{name}").EXERCISES:
                 if exercise.id in found:
                     raise ValueError(f"exercise {exercise.id} is defined twice")
                 found[exercise.id] = exercise
@@ -99,8 +99,11 @@ def hint(exercise_id: str, number: int = 1) -> Line:
 def items(notebook: str) -> published.Table:
     """The figures, tables and equations that the notebooks whose names begin with `notebook` reproduce."""
     where = published.reproduced_items()
-    rows = [(i.id, i.kind, i.meaning, i.reproducible) for i in published.items().values()
-            if any(name.startswith(notebook) for name in where.get(i.id, []))]
+    rows = [
+        (i.id, i.kind, i.meaning, i.reproducible)
+        for i in published.items().values()
+        if any(name.startswith(notebook) for name in where.get(i.id, []))
+    ]
     return published.Table(rows, columns=["item", "kind", "meaning", "reproducible"]).set_index("item")
 
 
@@ -122,7 +125,7 @@ def solution_blocks(file: Path) -> dict[str, str]:
 
 
 def _exercise(exercise_id: str) -> Exercise:
-    found = exercises()
+    found = all_exercises()
     if exercise_id not in found:
         known = ", ".join(found) or "none yet"
         raise ValueError(f"there is no exercise '{exercise_id}'; there are: {known}")

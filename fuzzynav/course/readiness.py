@@ -55,7 +55,10 @@ class Readiness:
 def ready() -> Readiness:
     """Check Python, packages, compiled kernels, widgets and data; a check that fails is a finding too."""
     checks: tuple[tuple[str, Callable[[], Finding]], ...] = (
-        ("Python", python), ("Packages", packages), ("Compiled kernels", kernels), ("Sliders", widgets),
+        ("Python", python),
+        ("Packages", packages),
+        ("Compiled kernels", kernels),
+        ("Sliders", widgets),
         ("Published data", data),
     )
     return Readiness(tuple(_checked(part, check) for part, check in checks))
@@ -76,8 +79,11 @@ def packages(wanted: tuple[str, ...] | None = None, pins: dict[str, set[str]] | 
     missing = [name for name in names if name not in present]
     if missing:
         return Finding("Packages", False, f"not installed: {', '.join(missing)}; {AGAIN}")
-    other = [f"{n} {v} (tested with {' or '.join(sorted(tested[n]))})" for n, v in present.items()
-             if v not in tested.get(n, {v})]
+    other = [
+        f"{n} {v} (tested with {' or '.join(sorted(tested[n]))})"
+        for n, v in present.items()
+        if v not in tested.get(n, {v})
+    ]
     if other:
         return Finding("Packages", True, f"all installed; other versions than tested: {', '.join(other)}")
     return Finding("Packages", True, "all installed, in the versions that were tested")
@@ -89,9 +95,12 @@ def kernels(modules: tuple[str, ...] | None = None) -> Finding:
     cold = [name for name in listed if not _compiled(name)]
     if not cold:
         return Finding("Compiled kernels", True, "compiled, no cell waits for the compiler")
-    return Finding("Compiled kernels", False,
-                   f"{len(cold)} modules are not compiled: the first call takes up to a minute; "
-                   "to do it now, run `python -m fuzzynav.warm` in a terminal")
+    return Finding(
+        "Compiled kernels",
+        False,
+        f"{len(cold)} modules are not compiled: the first call takes up to a minute; "
+        "to do it now, run `python -m fuzzynav.warm` in a terminal",
+    )
 
 
 def widgets() -> Finding:

@@ -96,8 +96,9 @@ class Inference:
         lines += [f"Rule {r + 1} fires with {self.firing[r]:.3f}: {self.rules[r]}." for r in order[:rules]]
         if len(order) > rules:
             more, top = len(order) - rules, f"{self.firing[order[rules]]:.3f}"
-            lines.append(f"{more} more rules fire, each with at most {top}." if more > 1
-                         else f"One more rule fires, with {top}.")
+            lines.append(
+                f"{more} more rules fire, each with at most {top}." if more > 1 else f"One more rule fires, with {top}."
+            )
         if not order:
             lines.append("No rule fires.")
         return "\n".join(lines + [self._answer(k) for k in range(len(self.outputs))])

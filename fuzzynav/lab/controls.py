@@ -67,12 +67,22 @@ def widget_of(control: Slider | Choice, label_width: int = 150) -> widgets.Value
     style = {"description_width": f"{label_width}px"}
     layout = widgets.Layout(width=f"{label_width + 230}px")
     if isinstance(control, Choice):
-        return widgets.Dropdown(options=control.options, value=control.value, description=control.name,
-                                style=style, layout=layout)
+        return widgets.Dropdown(
+            options=control.options, value=control.value, description=control.name, style=style, layout=layout
+        )
     kind = widgets.IntSlider if control.whole else widgets.FloatSlider
     readout = {} if control.whole else {"readout_format": f".{_decimals(control.step)}f"}
-    return kind(value=control.value, min=control.low, max=control.high, step=control.step,
-                description=control.name, continuous_update=True, style=style, layout=layout, **readout)
+    return kind(
+        value=control.value,
+        min=control.low,
+        max=control.high,
+        step=control.step,
+        description=control.name,
+        continuous_update=True,
+        style=style,
+        layout=layout,
+        **readout,
+    )
 
 
 def label_width(controls: Iterable[Slider | Choice]) -> int:

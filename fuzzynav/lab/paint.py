@@ -9,10 +9,10 @@ import ipywidgets as widgets
 import numpy as np
 from ipycanvas import MultiCanvas, hold_canvas
 
-from fuzzynav import astar
-from fuzzynav.astar import Options, SearchResult
-from fuzzynav.gridmap import GridMap
 from fuzzynav.lab.plain import Guard, plain_words
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.planning import astar
+from fuzzynav.planning.astar import Options, SearchResult
 from fuzzynav.plot import COLORS, Blit, paint_picture
 
 __all__ = ["Paint"]
@@ -29,8 +29,9 @@ class Paint:
     Raises ValueError for an empty list of planners, or for a start or goal that is not a free cell.
     """
 
-    def __init__(self, grid: GridMap, start: Cell, goal: Cell, planners: Mapping[str, Options], *, title: str,
-                 size: int = 480) -> None:
+    def __init__(
+        self, grid: GridMap, start: Cell, goal: Cell, planners: Mapping[str, Options], *, title: str, size: int = 480
+    ) -> None:
         if not planners:
             raise ValueError("a painting lab needs one planner or more")
         self.title, self.text = title, ""
@@ -217,8 +218,18 @@ class Paint:
         apply.on_click(lambda _: self.touch((self._column.value, self._row.value)))
         reset.on_click(lambda _: self.reset())
         keys = widgets.HTML("Without a mouse: choose a cell, then Apply.")
-        left = widgets.VBox([widgets.HTML(f"<b>{html.escape(self.title)}</b>"), self._planner, self._action, keys,
-                             self._column, self._row, widgets.HBox([apply, reset]), self._words])
+        left = widgets.VBox(
+            [
+                widgets.HTML(f"<b>{html.escape(self.title)}</b>"),
+                self._planner,
+                self._action,
+                keys,
+                self._column,
+                self._row,
+                widgets.HBox([apply, reset]),
+                self._words,
+            ]
+        )
         return widgets.HBox([left, self._canvas], layout=widgets.Layout(flex_flow="row wrap"))
 
 

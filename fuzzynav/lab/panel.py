@@ -28,8 +28,9 @@ class Panel:
     nothing queues. An error in `update` becomes a sentence in the panel.
     """
 
-    def __init__(self, setup: Setup, sliders: Mapping[str, Control], *, title: str,
-                 size: tuple[float, float] = (7.0, 4.0)) -> None:
+    def __init__(
+        self, setup: Setup, sliders: Mapping[str, Control], *, title: str, size: tuple[float, float] = (7.0, 4.0)
+    ) -> None:
         self.title = title
         self.text = ""
         self.saved: tuple[Path, ...] = ()
@@ -155,9 +156,17 @@ class Player(Panel):
     `sliders` adds controls as in a panel; `first` is the frame shown before anything is moved.
     """
 
-    def __init__(self, setup: Setup, frames: int, *, title: str, interval_ms: int = 50,
-                 size: tuple[float, float] = (7.0, 4.0), sliders: Mapping[str, Control] | None = None,
-                 first: int = 0) -> None:
+    def __init__(
+        self,
+        setup: Setup,
+        frames: int,
+        *,
+        title: str,
+        interval_ms: int = 50,
+        size: tuple[float, float] = (7.0, 4.0),
+        sliders: Mapping[str, Control] | None = None,
+        first: int = 0,
+    ) -> None:
         if frames < 2:
             raise ValueError(f"a player needs at least 2 frames, got {frames}")
         self._interval = interval_ms
@@ -176,8 +185,7 @@ class Player(Panel):
 
     def _buttons(self) -> list[widgets.Widget]:
         frame = self._widgets["frame"]
-        play = widgets.Play(min=frame.min, max=frame.max, value=frame.value, interval=self._interval,
-                            show_repeat=False)
+        play = widgets.Play(min=frame.min, max=frame.max, value=frame.value, interval=self._interval, show_repeat=False)
         self._play, self._link = play, widgets.jslink((play, "value"), (frame, "value"))
         back, on = widgets.Button(icon="step-backward"), widgets.Button(icon="step-forward")
         back.on_click(lambda _: self.step(-1))

@@ -24,16 +24,35 @@ from numpy.typing import ArrayLike
 from fuzzynav.geometry import Array
 
 if TYPE_CHECKING:
-    from fuzzynav.gridmap import GridMap
+    from fuzzynav.maps.gridmap import GridMap
 
 __all__ = [
-    "COLORS", "CYCLE", "Block", "RobotMark", "arrow", "block", "diagram", "draw_discs", "draw_goal", "draw_grid",
-    "draw_path", "draw_robot", "metric_axes", "style",
+    "COLORS",
+    "CYCLE",
+    "Block",
+    "RobotMark",
+    "arrow",
+    "block",
+    "diagram",
+    "draw_discs",
+    "draw_goal",
+    "draw_grid",
+    "draw_path",
+    "draw_robot",
+    "metric_axes",
+    "style",
 ]
 
 COLORS: dict[str, str] = {
-    "robot": "#0072B2", "path": "#D55E00", "reference": "#009E73", "obstacle": "#4D4D4D", "mover": "#E69F00",
-    "goal": "#CC79A7", "accent": "#56B4E9", "free": "#F0E442", "unknown": "#BBBBBB",
+    "robot": "#0072B2",
+    "path": "#D55E00",
+    "reference": "#009E73",
+    "obstacle": "#4D4D4D",
+    "mover": "#E69F00",
+    "goal": "#CC79A7",
+    "accent": "#56B4E9",
+    "free": "#F0E442",
+    "unknown": "#BBBBBB",
 }
 CYCLE: tuple[str, ...] = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#4D4D4D")
 DPI = 90
@@ -45,16 +64,32 @@ def style() -> None:
     The line cycle changes colour and dash together, so that curves stay apart in grey.
     """
     dashes = ["-", "--", "-.", ":", "-", "--", "-."]
-    mpl.rcParams.update({
-        "figure.dpi": DPI, "savefig.dpi": "figure", "figure.figsize": (6.4, 3.8), "figure.constrained_layout.use": True,
-        "figure.constrained_layout.w_pad": 0.08,
-        "font.size": 10.0, "axes.titlesize": 10.5, "axes.labelsize": 10.0, "xtick.labelsize": 9.0,
-        "ytick.labelsize": 9.0, "legend.fontsize": 9.0, "legend.framealpha": 0.9,
-        "axes.prop_cycle": cycler(color=list(CYCLE)) + cycler(linestyle=dashes),
-        "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "axes.axisbelow": True,
-        "grid.color": "#DDDDDD", "grid.linewidth": 0.6, "lines.linewidth": 1.6, "image.cmap": "cividis",
-        "image.interpolation": "nearest",
-    })
+    mpl.rcParams.update(
+        {
+            "figure.dpi": DPI,
+            "savefig.dpi": "figure",
+            "figure.figsize": (6.4, 3.8),
+            "figure.constrained_layout.use": True,
+            "figure.constrained_layout.w_pad": 0.08,
+            "font.size": 10.0,
+            "axes.titlesize": 10.5,
+            "axes.labelsize": 10.0,
+            "xtick.labelsize": 9.0,
+            "ytick.labelsize": 9.0,
+            "legend.fontsize": 9.0,
+            "legend.framealpha": 0.9,
+            "axes.prop_cycle": cycler(color=list(CYCLE)) + cycler(linestyle=dashes),
+            "axes.spines.top": False,
+            "axes.spines.right": False,
+            "axes.grid": True,
+            "axes.axisbelow": True,
+            "grid.color": "#DDDDDD",
+            "grid.linewidth": 0.6,
+            "lines.linewidth": 1.6,
+            "image.cmap": "cividis",
+            "image.interpolation": "nearest",
+        }
+    )
 
 
 def metric_axes(ax: Axes, bounds: Sequence[float] | None = None, *, title: str = "") -> Axes:
@@ -100,13 +135,15 @@ def draw_robot(ax: Axes, pose: ArrayLike, radius: float, *, role: str = "robot",
     return mark
 
 
-def draw_path(ax: Axes, points: ArrayLike, *, role: str = "path", label: str = "", linestyle: str = "-",
-              marker: str = "") -> Line2D:
+def draw_path(
+    ax: Axes, points: ArrayLike, *, role: str = "path", label: str = "", linestyle: str = "-", marker: str = ""
+) -> Line2D:
     """A polyline `(n, 2)` or the track of poses `(n, 3)` [m]; an empty one may be filled by set_data."""
     xy = np.asarray(points, dtype=float)
     xy = xy.reshape(0, 2) if xy.size == 0 else xy
-    (line,) = ax.plot(xy[:, 0], xy[:, 1], color=COLORS[role], linestyle=linestyle, marker=marker, markersize=3.5,
-                      zorder=4)
+    (line,) = ax.plot(
+        xy[:, 0], xy[:, 1], color=COLORS[role], linestyle=linestyle, marker=marker, markersize=3.5, zorder=4
+    )
     if label:
         line.set_label(label)
     return line
@@ -115,8 +152,17 @@ def draw_path(ax: Axes, points: ArrayLike, *, role: str = "path", label: str = "
 def draw_goal(ax: Axes, point: ArrayLike, *, tolerance: float | None = None) -> tuple[Artist, ...]:
     """A star at the goal `(2,)` [m], with the circle of its tolerance [m] where one is given."""
     x, y = np.asarray(point, dtype=float)
-    (star,) = ax.plot([x], [y], linestyle="", marker="*", markersize=13, color=COLORS["goal"],
-                      markeredgecolor="black", markeredgewidth=0.6, zorder=6)
+    (star,) = ax.plot(
+        [x],
+        [y],
+        linestyle="",
+        marker="*",
+        markersize=13,
+        color=COLORS["goal"],
+        markeredgecolor="black",
+        markeredgewidth=0.6,
+        zorder=6,
+    )
     if tolerance is None:
         return (star,)
     ring = ax.add_patch(Circle((x, y), tolerance, fill=False, linestyle="--", edgecolor=COLORS["goal"], zorder=5))
@@ -128,8 +174,16 @@ def draw_grid(ax: Axes, gridmap: GridMap, *, lines: bool = False) -> AxesImage:
     rows, cols = gridmap.occupied.shape
     x0, y0 = gridmap.origin
     extent = (x0, x0 + cols * gridmap.resolution, y0, y0 + rows * gridmap.resolution)
-    image = ax.imshow(gridmap.occupied, cmap=ListedColormap(["white", COLORS["obstacle"]]), vmin=0, vmax=1,
-                      origin="lower", extent=extent, interpolation="nearest", zorder=1)
+    image = ax.imshow(
+        gridmap.occupied,
+        cmap=ListedColormap(["white", COLORS["obstacle"]]),
+        vmin=0,
+        vmax=1,
+        origin="lower",
+        extent=extent,
+        interpolation="nearest",
+        zorder=1,
+    )
     ax.grid(False)
     if lines:
         for x in np.linspace(extent[0], extent[1], cols + 1):
@@ -189,25 +243,57 @@ def diagram(ax: Axes, width: float, height: float) -> Axes:
     return ax
 
 
-def block(ax: Axes, center: ArrayLike, text: str, *, size: tuple[float, float] = (2.0, 0.9), role: str = "",
-          fontsize: float = 9.0) -> Block:
+def block(
+    ax: Axes,
+    center: ArrayLike,
+    text: str,
+    *,
+    size: tuple[float, float] = (2.0, 0.9),
+    role: str = "",
+    fontsize: float = 9.0,
+) -> Block:
     """A box with text, `size` (width, height) in axes units; `role` tints it with that colour."""
     c = np.asarray(center, dtype=float)
     face = COLORS[role] + "40" if role else "#F4F4F4"
-    patch = FancyBboxPatch((c[0] - size[0] / 2, c[1] - size[1] / 2), *size, boxstyle="round,pad=0,rounding_size=0.12",
-                           facecolor=face, edgecolor=COLORS[role] if role else "#333333", linewidth=1.2, zorder=3)
+    patch = FancyBboxPatch(
+        (c[0] - size[0] / 2, c[1] - size[1] / 2),
+        *size,
+        boxstyle="round,pad=0,rounding_size=0.12",
+        facecolor=face,
+        edgecolor=COLORS[role] if role else "#333333",
+        linewidth=1.2,
+        zorder=3,
+    )
     ax.add_patch(patch)
     ax.text(c[0], c[1], text, ha="center", va="center", fontsize=fontsize, zorder=4)
     return Block(c, size, patch)
 
 
-def arrow(ax: Axes, start: ArrayLike, end: ArrayLike, text: str = "", *, bend: float = 0.0,
-          linestyle: str = "-", offset: tuple[float, float] = (0.0, 0.15)) -> FancyArrowPatch:
+def arrow(
+    ax: Axes,
+    start: ArrayLike,
+    end: ArrayLike,
+    text: str = "",
+    *,
+    bend: float = 0.0,
+    linestyle: str = "-",
+    offset: tuple[float, float] = (0.0, 0.15),
+) -> FancyArrowPatch:
     """An arrow between two points `(2,)`, with text beside its middle; `bend` curves it to the right."""
     a, b = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
-    patch = FancyArrowPatch((a[0], a[1]), (b[0], b[1]), arrowstyle="-|>", mutation_scale=12, color="#333333",
-                            linewidth=1.2, linestyle=linestyle, shrinkA=0, shrinkB=0, zorder=2,
-                            connectionstyle=f"arc3,rad={bend}")
+    patch = FancyArrowPatch(
+        (a[0], a[1]),
+        (b[0], b[1]),
+        arrowstyle="-|>",
+        mutation_scale=12,
+        color="#333333",
+        linewidth=1.2,
+        linestyle=linestyle,
+        shrinkA=0,
+        shrinkB=0,
+        zorder=2,
+        connectionstyle=f"arc3,rad={bend}",
+    )
     ax.add_patch(patch)
     if text:
         middle = (a + b) / 2.0 + offset

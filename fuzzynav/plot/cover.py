@@ -10,14 +10,12 @@ from fuzzynav import dwa, simulate
 from fuzzynav.plot.base import draw_path, draw_robot
 from fuzzynav.plot.blit import Blit
 from fuzzynav.plot.dwa import arc_mark, draw_run, draw_window
-from fuzzynav.robot import THESIS
-from fuzzynav.world import World
+from fuzzynav.robot.model import THESIS
+from fuzzynav.world.world import World
 
 __all__ = ["save_cover"]
 
-DISCS = np.array(
-    [[3.0, 2.2, 0.6], [5.2, 3.8, 0.5], [4.0, 5.6, 0.6], [7.0, 2.4, 0.7], [7.6, 5.6, 0.6], [9.6, 4.0, 0.5]]
-)
+DISCS = np.array([[3.0, 2.2, 0.6], [5.2, 3.8, 0.5], [4.0, 5.6, 0.6], [7.0, 2.4, 0.7], [7.6, 5.6, 0.6], [9.6, 4.0, 0.5]])
 
 
 def save_cover(path: Path, moment: int = 95) -> Path:

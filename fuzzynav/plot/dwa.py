@@ -20,16 +20,27 @@ from PIL import Image
 
 from fuzzynav import dwa
 from fuzzynav.batch import proportion
-from fuzzynav.dwa import Params, Plan
+from fuzzynav.dwa.decision import Params, Plan
 from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, draw_discs, draw_goal, draw_grid, draw_path, draw_robot, metric_axes
-from fuzzynav.recorder import Run
-from fuzzynav.robot import Robot
-from fuzzynav.world import Observation, World
+from fuzzynav.robot.model import Robot
+from fuzzynav.simulate.record import Run
+from fuzzynav.world.world import Observation, World
 
 __all__ = [
-    "ArcMark", "WindowMark", "arc_mark", "draw_candidates", "draw_run", "draw_run_speeds", "draw_run_weights",
-    "draw_success", "draw_velocity_sets", "draw_window", "draw_world", "save_gif", "window_mark",
+    "ArcMark",
+    "WindowMark",
+    "arc_mark",
+    "draw_candidates",
+    "draw_run",
+    "draw_run_speeds",
+    "draw_run_weights",
+    "draw_success",
+    "draw_velocity_sets",
+    "draw_window",
+    "draw_world",
+    "save_gif",
+    "window_mark",
 ]
 
 
@@ -46,9 +57,18 @@ def draw_world(ax: Axes, world: World) -> list[Artist]:
         made.append(hidden)
     for rows, role in ((world.rectangles, "obstacle"), (world.unknown_rectangles, "unknown")):
         for x, y, width, height, theta in rows:
-            patch = Rectangle((x - width / 2, y - height / 2), width, height, angle=np.degrees(theta),
-                              rotation_point="center", facecolor=COLORS[role], edgecolor="black", linewidth=0.6,
-                              hatch="///" if role == "unknown" else None, zorder=2)
+            patch = Rectangle(
+                (x - width / 2, y - height / 2),
+                width,
+                height,
+                angle=np.degrees(theta),
+                rotation_point="center",
+                facecolor=COLORS[role],
+                edgecolor="black",
+                linewidth=0.6,
+                hatch="///" if role == "unknown" else None,
+                zorder=2,
+            )
             made.append(ax.add_patch(patch))
     metric_axes(ax, world.bounds)
     return made
@@ -88,15 +108,30 @@ class WindowMark:
 def window_mark(ax: Axes, robot: Robot, params: Params) -> WindowMark:
     """Empty axes of the window: omega and v, counted from what the robot drives now."""
     wide, high = robot.acc_lim_theta * params.dt, max(robot.acc_lim_x, robot.dec_lim_x) * params.dt
-    ax.set(xlim=(1.25 * wide, -1.25 * wide), ylim=(-1.35 * high, 1.35 * high),
-           xlabel=r"$\omega-\omega_c$ [rad/s], left turn to the left", ylabel="$v-v_c$ [m/s]")
-    scored = ax.scatter([], [], c=[], s=55, marker="s", cmap="cividis", vmin=0.0, vmax=1.0, zorder=3,
-                        label="admissible, by score")
+    ax.set(
+        xlim=(1.25 * wide, -1.25 * wide),
+        ylim=(-1.35 * high, 1.35 * high),
+        xlabel=r"$\omega-\omega_c$ [rad/s], left turn to the left",
+        ylabel="$v-v_c$ [m/s]",
+    )
+    scored = ax.scatter(
+        [], [], c=[], s=55, marker="s", cmap="cividis", vmin=0.0, vmax=1.0, zorder=3, label="admissible, by score"
+    )
     (refused,) = ax.plot([], [], "x", color="#999999", markersize=6, zorder=3, label="refused")
-    (emergency,) = ax.plot([], [], "v", color=COLORS["path"], markersize=8, markerfacecolor="none", zorder=4,
-                           label="full braking")
-    (chosen,) = ax.plot([], [], "o", color=COLORS["goal"], markersize=13, markerfacecolor="none",
-                        markeredgewidth=2.2, zorder=5, label="chosen")
+    (emergency,) = ax.plot(
+        [], [], "v", color=COLORS["path"], markersize=8, markerfacecolor="none", zorder=4, label="full braking"
+    )
+    (chosen,) = ax.plot(
+        [],
+        [],
+        "o",
+        color=COLORS["goal"],
+        markersize=13,
+        markerfacecolor="none",
+        markeredgewidth=2.2,
+        zorder=5,
+        label="chosen",
+    )
     ax.set_title("squares by score, x refused, circle chosen,\ntriangle full braking", fontsize=9)
     return WindowMark(scored, refused, chosen, emergency)
 
@@ -116,15 +151,27 @@ def draw_velocity_sets(ax: Axes, observation: Observation, robot: Robot, params:
     free = dwa.free_distance(observation.pose, samples, observation.points, robot.radius)
     safe = dwa.admissible(samples, free, robot, params.dt).reshape(n, n)
     half_v, half_w = (v[1] - v[0]) / 2, (omega[1] - omega[0]) / 2
-    image = ax.imshow(safe, origin="lower", aspect="auto", cmap="Greys_r", vmin=-0.6, vmax=1.0, zorder=1,
-                      extent=(omega[0] - half_w, omega[-1] + half_w, v[0] - half_v, v[-1] + half_v))
+    image = ax.imshow(
+        safe,
+        origin="lower",
+        aspect="auto",
+        cmap="Greys_r",
+        vmin=-0.6,
+        vmax=1.0,
+        zorder=1,
+        extent=(omega[0] - half_w, omega[-1] + half_w, v[0] - half_v, v[-1] + half_v),
+    )
     window = dwa.window(observation.velocity, robot, params)[:-1]
     (v0, w0), (v1, w1) = window.min(axis=0), window.max(axis=0)
     ax.add_patch(Rectangle((w0, v0), w1 - w0, v1 - v0, fill=False, edgecolor=COLORS["path"], linewidth=2, zorder=3))
     ax.plot(*np.asarray(observation.velocity)[::-1], "o", color=COLORS["robot"], zorder=4)
     ax.grid(False)
-    ax.set(xlabel=r"$\omega$ [rad/s], left turn to the left", ylabel="$v$ [m/s]",
-           xlim=(omega[-1] + half_w, omega[0] - half_w), ylim=(v[0] - half_v, v[-1] + half_v))
+    ax.set(
+        xlabel=r"$\omega$ [rad/s], left turn to the left",
+        ylabel="$v$ [m/s]",
+        xlim=(omega[-1] + half_w, omega[0] - half_w),
+        ylim=(v[0] - half_v, v[-1] + half_v),
+    )
     return image
 
 
@@ -213,13 +260,28 @@ def draw_run_speeds(axes: Sequence[Axes], run: Run, *, title: str = "") -> list[
 
 def draw_run_weights(ax: Axes, run: Run, *, title: str = "") -> list[Line2D]:
     """The three weights over time; a grey floor where no rule fired."""
-    styles = (("alpha", r"$\alpha$ heading", "robot", "-"), ("beta", r"$\beta$ clearance", "path", "--"),
-              ("gamma", r"$\gamma$ speed", "reference", "-."))
-    lines = [ax.plot(run.t[:-1], run.log[name], color=COLORS[role], linestyle=dash, label=label)[0]
-             for name, label, role, dash in styles]
+    styles = (
+        ("alpha", r"$\alpha$ heading", "robot", "-"),
+        ("beta", r"$\beta$ clearance", "path", "--"),
+        ("gamma", r"$\gamma$ speed", "reference", "-."),
+    )
+    lines = [
+        ax.plot(run.t[:-1], run.log[name], color=COLORS[role], linestyle=dash, label=label)[0]
+        for name, label, role, dash in styles
+    ]
     bare = run.log["uncovered"] > 0
-    ax.fill_between(run.t[:-1], 0.0, 1.0, where=bare, color=COLORS["unknown"], alpha=0.5, linewidth=0, zorder=0,
-                    label="no rule fires", step="mid")
+    ax.fill_between(
+        run.t[:-1],
+        0.0,
+        1.0,
+        where=bare,
+        color=COLORS["unknown"],
+        alpha=0.5,
+        linewidth=0,
+        zorder=0,
+        label="no rule fires",
+        step="mid",
+    )
     ax.set(xlabel="t [s]", ylabel="weight", ylim=(0.0, 1.0), xlim=(0.0, max(run.duration, 1e-9)))
     if title:
         ax.set_title(title)
@@ -238,8 +300,15 @@ def draw_success(ax: Axes, table: pd.DataFrame, labels: Sequence[str] | None = N
         rate, low, high = np.array(rates).T
         y = np.arange(len(methods)) + 0.25 * (k - 1)
         color = (COLORS["accent"], COLORS["robot"], COLORS["obstacle"])[k % 3]
-        bars = ax.barh(y, rate, height=0.23, color=color, xerr=np.maximum([rate - low, high - rate], 0.0),
-                       error_kw={"elinewidth": 1.0}, label=f"{100 * float(density):.0f} % blocked")
+        bars = ax.barh(
+            y,
+            rate,
+            height=0.23,
+            color=color,
+            xerr=np.maximum([rate - low, high - rate], 0.0),
+            error_kw={"elinewidth": 1.0},
+            label=f"{100 * float(density):.0f} % blocked",
+        )
         made += list(bars)
     ax.set_yticks(range(len(methods)), labels or methods)
     ax.invert_yaxis()
@@ -251,7 +320,7 @@ def draw_success(ax: Axes, table: pd.DataFrame, labels: Sequence[str] | None = N
 def save_gif(run: Run, world: World, path: str | Path, *, every: int = 5, dpi: int = 60) -> Path:
     """Write a run as an animated GIF, one picture for every n-th step; the moving parts are drawn anew each time."""
     from fuzzynav.plot.blit import Blit
-    from fuzzynav.plot.dwa_labs import run_player
+    from fuzzynav.plot.labs.dwa import run_player
 
     if every < 1:
         raise ValueError(f"every must be at least 1, got {every}")

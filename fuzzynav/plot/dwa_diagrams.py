@@ -15,11 +15,15 @@ def fuzzy_dwa_flowchart(ax: Axes) -> Axes:
     size = (2.15, 1.0)
     sense, window, safe, score, best = (
         block(ax, (1.2 + 2.62 * k, 3.1), text, size=size, role=role)
-        for k, (text, role) in enumerate((
-            ("pose, speed,\nsensed points", ""), ("window $V_s, V_d$\n(3.15)", "accent"),
-            ("stop in time?\n$V_a$ (3.15)", "accent"), ("scores\n(3.18-3.21)", "accent"),
-            ("largest $G$\n(3.17)", "accent"),
-        ))
+        for k, (text, role) in enumerate(
+            (
+                ("pose, speed,\nsensed points", ""),
+                ("window $V_s, V_d$\n(3.15)", "accent"),
+                ("stop in time?\n$V_a$ (3.15)", "accent"),
+                ("scores\n(3.18-3.21)", "accent"),
+                ("largest $G$\n(3.17)", "accent"),
+            )
+        )
     )
     fuzzy = block(ax, (6.44, 4.8), "rule base, table 3.2", size=(3.4, 0.9), role="goal")
     brake = block(ax, (6.44, 1.3), "none: brake\non the arc", size=size, role="path")
@@ -41,8 +45,10 @@ def fuzzy_dwa_flowchart(ax: Axes) -> Axes:
 def fuzzy_weight_tuner(ax: Axes) -> Axes:
     """The fuzzy tuner: three readings in, three weights out."""
     diagram(ax, 10.4, 3.9)
-    inputs = [block(ax, (1.3, y), name, size=(2.0, 0.7)) for y, name in
-              ((3.2, "headGoal [deg]"), (2.1, "distObs [m]"), (1.0, "velRob [m/s]"))]
+    inputs = [
+        block(ax, (1.3, y), name, size=(2.0, 0.7))
+        for y, name in ((3.2, "headGoal [deg]"), (2.1, "distObs [m]"), (1.0, "velRob [m/s]"))
+    ]
     fuzzify = block(ax, (3.9, 2.1), "fuzzify:\n3 terms each", size=(1.7, 1.0), role="accent")
     infer = block(ax, (6.0, 2.1), "inference:\nmin, max", size=(1.6, 1.0), role="accent")
     rules = block(ax, (6.0, 3.4), "9 rules, table 3.2", size=(2.2, 0.7), role="goal")

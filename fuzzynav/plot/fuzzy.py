@@ -21,10 +21,21 @@ from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, CYCLE, arrow, block, diagram
 
 __all__ = [
-    "draw_controller", "draw_defuzzified", "draw_fuzzy_reading", "draw_gaps", "draw_inference", "draw_operators",
+    "draw_controller",
+    "draw_defuzzified",
+    "draw_fuzzy_reading",
+    "draw_gaps",
+    "draw_inference",
+    "draw_operators",
     "draw_output",
-    "draw_reading", "draw_relation", "draw_rule_by_rule", "draw_set_notions", "draw_surface", "draw_terms",
-    "membership_axes", "outline",
+    "draw_reading",
+    "draw_relation",
+    "draw_rule_by_rule",
+    "draw_set_notions",
+    "draw_surface",
+    "draw_terms",
+    "membership_axes",
+    "outline",
 ]
 
 DASHES = ("-", "--", "-.", ":", "-", "--", "-.")
@@ -84,8 +95,16 @@ def draw_reading(ax: Axes, variable: Variable, value: float) -> list[Artist]:
 
 def _degree(ax: Axes, x: float, m: float) -> None:
     """A degree written beside its dot."""
-    ax.annotate(f"{m:.2f}", (x, m), xytext=(7, -2), textcoords="offset points", va="center", fontsize=9, zorder=7,
-                bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5})
+    ax.annotate(
+        f"{m:.2f}",
+        (x, m),
+        xytext=(7, -2),
+        textcoords="offset points",
+        va="center",
+        fontsize=9,
+        zorder=7,
+        bbox={"facecolor": "white", "alpha": 0.75, "edgecolor": "none", "pad": 0.5},
+    )
 
 
 def draw_fuzzy_reading(ax: Axes, variable: Variable, reading: Term) -> list[Artist]:
@@ -141,8 +160,15 @@ def draw_operators(axes: Sequence[Axes], variable: Variable, first: Term, second
 def draw_relation(ax: Axes, x: ArrayLike, y: ArrayLike, relation: ArrayLike, *, labels: tuple[str, str]) -> AxesImage:
     """A fuzzy relation (n_x, n_y) as a picture, x to the right and y upwards."""
     places, heights = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
-    image = ax.imshow(np.asarray(relation).T, origin="lower", aspect="auto", vmin=0.0, vmax=1.0, cmap="cividis",
-                      extent=(places[0], places[-1], heights[0], heights[-1]))
+    image = ax.imshow(
+        np.asarray(relation).T,
+        origin="lower",
+        aspect="auto",
+        vmin=0.0,
+        vmax=1.0,
+        cmap="cividis",
+        extent=(places[0], places[-1], heights[0], heights[-1]),
+    )
     ax.grid(False)
     ax.set(xlabel=labels[0], ylabel=labels[1])
     return image
@@ -238,8 +264,12 @@ def _bottom_row(row: Sequence[Axes], found: Inference, output: str) -> None:
     """Axes labels, and the aggregate of `draw_rule_by_rule`."""
     for ax, variable in zip(row[:-1], found.inputs, strict=True):
         membership_axes(ax, variable).set(ylabel="")
-        ax.axvline(float(found.readings[[v.name for v in found.inputs].index(variable.name)]), color="black",
-                   linestyle="-", linewidth=0.9)
+        ax.axvline(
+            float(found.readings[[v.name for v in found.inputs].index(variable.name)]),
+            color="black",
+            linestyle="-",
+            linewidth=0.9,
+        )
     variable = next(v for v in found.outputs if v.name == output)
     membership_axes(row[-1], variable).set(ylabel="")
     joined = found.aggregated[output]
@@ -247,13 +277,21 @@ def _bottom_row(row: Sequence[Axes], found: Inference, output: str) -> None:
     row[-1].axvline(float(found.values[0]), color=COLORS["path"], linestyle="-", linewidth=2.0)
 
 
-def draw_surface(ax: Axes, x: ArrayLike, y: ArrayLike, z: ArrayLike, *, labels: tuple[str, str, str],
-                 limits: tuple[float, float]) -> AxesImage:
+def draw_surface(
+    ax: Axes, x: ArrayLike, y: ArrayLike, z: ArrayLike, *, labels: tuple[str, str, str], limits: tuple[float, float]
+) -> AxesImage:
     """A control surface z (n_y, n_x) as a picture with a colour bar over the output's limits."""
     places, heights = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     dx, dy = np.diff(places).mean() / 2.0, np.diff(heights).mean() / 2.0
-    image = ax.imshow(z, origin="lower", aspect="auto", vmin=limits[0], vmax=limits[1], cmap="cividis",
-                      extent=(places[0] - dx, places[-1] + dx, heights[0] - dy, heights[-1] + dy))
+    image = ax.imshow(
+        z,
+        origin="lower",
+        aspect="auto",
+        vmin=limits[0],
+        vmax=limits[1],
+        cmap="cividis",
+        extent=(places[0] - dx, places[-1] + dx, heights[0] - dy, heights[-1] + dy),
+    )
     ax.grid(False)
     ax.set(xlabel=labels[0], ylabel=labels[1])
     bar = ax.figure.colorbar(image, ax=ax)
@@ -268,7 +306,8 @@ def draw_gaps(ax: Axes, system: FuzzySystem, across: str, up: str, **others: flo
     readings: dict[str, Any] = {across: x[None, :], up: y[:, None], **others}
     strength = system.evaluate(*(readings[v.name] for v in system.inputs)).firing.max(axis=-1)
     right, above = (f"{n} [{by_name[n].unit}]" if by_name[n].unit else n for n in (across, up))
-    image = draw_surface(ax, x, y, np.ma.masked_equal(strength, 0.0),
-                         labels=(right, above, "strongest rule"), limits=(0.0, 1.0))
+    image = draw_surface(
+        ax, x, y, np.ma.masked_equal(strength, 0.0), labels=(right, above, "strongest rule"), limits=(0.0, 1.0)
+    )
     ax.set_facecolor(COLORS["path"])
     return image

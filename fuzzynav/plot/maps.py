@@ -15,16 +15,26 @@ from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, to_world
-from fuzzynav.localization import Track, ellipse
-from fuzzynav.mapkinds import Places
-from fuzzynav.mapping import OccupancyGrid
-from fuzzynav.particles import Swarm
+from fuzzynav.localization.kalman import Track, ellipse
+from fuzzynav.localization.particles import Swarm
+from fuzzynav.mapping.occupancy import OccupancyGrid
+from fuzzynav.maps.kinds import Places
 from fuzzynav.plot.base import COLORS, CYCLE, arrow, block, diagram, draw_robot, metric_axes
 
 __all__ = [
-    "draw_ellipses", "draw_nees", "draw_occupancy", "draw_outline", "draw_places", "draw_regions", "draw_rings",
+    "draw_ellipses",
+    "draw_nees",
+    "draw_occupancy",
+    "draw_outline",
+    "draw_places",
+    "draw_regions",
+    "draw_rings",
     "draw_swarm",
-    "draw_voxels", "ellipse_lines", "filter_cycle", "place_swarm", "pose_frame",
+    "draw_voxels",
+    "ellipse_lines",
+    "filter_cycle",
+    "place_swarm",
+    "pose_frame",
 ]
 
 
@@ -102,8 +112,16 @@ def draw_occupancy(ax: Axes, grid: OccupancyGrid) -> AxesImage:
     rows, cols = grid.log_odds.shape
     x, y = grid.origin
     extent = (x, x + cols * grid.resolution, y, y + rows * grid.resolution)
-    image = ax.imshow(grid.probability, cmap="gray_r", vmin=0.0, vmax=1.0, origin="lower", extent=extent,
-                      interpolation="nearest", zorder=1)
+    image = ax.imshow(
+        grid.probability,
+        cmap="gray_r",
+        vmin=0.0,
+        vmax=1.0,
+        origin="lower",
+        extent=extent,
+        interpolation="nearest",
+        zorder=1,
+    )
     ax.grid(False)
     metric_axes(ax, extent)
     return image
@@ -133,8 +151,16 @@ def draw_places(ax: Axes, found: Places, names: Sequence[str]) -> list[Artist]:
 def draw_regions(ax: Axes, found: Places, names: Sequence[str], extent: tuple[float, float, float, float]) -> AxesImage:
     """A semantic map: each place in its colour with its name; extent is that of the grid [m]."""
     tints = ["#FFFFFF", *(CYCLE[k % len(CYCLE)] + "55" for k in range(len(names)))]
-    image = ax.imshow(found.labels, cmap=ListedColormap(tints), vmin=-0.5, vmax=len(names) + 0.5, origin="lower",
-                      extent=extent, interpolation="nearest", zorder=1)
+    image = ax.imshow(
+        found.labels,
+        cmap=ListedColormap(tints),
+        vmin=-0.5,
+        vmax=len(names) + 0.5,
+        origin="lower",
+        extent=extent,
+        interpolation="nearest",
+        zorder=1,
+    )
     for center, name in zip(found.centers, names, strict=True):
         ax.text(float(center[0]), float(center[1]), name, ha="center", va="center", fontsize=9, zorder=5)
     ax.grid(False)
@@ -155,9 +181,16 @@ def draw_rings(ax: Axes, anchors: ArrayLike, ranges: ArrayLike) -> list[Line2D]:
 def draw_voxels(ax: Axes3D, cells: ArrayLike, size: float) -> None:
     """Cells `(n, 3)` of a map in three dimensions on 3-D axes, coloured by height."""
     centres = (np.asarray(cells, dtype=float) + 0.5) * size
-    dots = ax.scatter(centres[:, 0], centres[:, 1], zs=centres[:, 2], c=centres[:, 2], marker="s", s=9,
-                      cmap="cividis", depthshade=False)
+    dots = ax.scatter(
+        centres[:, 0],
+        centres[:, 1],
+        zs=centres[:, 2],
+        c=centres[:, 2],
+        marker="s",
+        s=9,
+        cmap="cividis",
+        depthshade=False,
+    )
     ax.figure.colorbar(dots, ax=ax, label="z [m]", shrink=0.6, pad=0.1)
     ax.set(xlabel="x [m]", ylabel="y [m]", zlabel="")
     ax.set_box_aspect(np.ptp(centres, axis=0) + size)
-

@@ -15,31 +15,54 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike
 
-from fuzzynav import search
-from fuzzynav.astar import SearchResult
 from fuzzynav.geometry import Array, cumulative_length
-from fuzzynav.gridmap import GridMap
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.planning import heuristics
+from fuzzynav.planning.astar import SearchResult
+from fuzzynav.planning.sampling import Sampled
 from fuzzynav.plot.base import COLORS, CYCLE, arrow, block, diagram, draw_goal, draw_grid, draw_path
-from fuzzynav.roadmaps import Sampled
-from fuzzynav.smoothing import Spline
+from fuzzynav.smoothing.splines import Spline
 
 __all__ = [
-    "draw_cells", "draw_compass", "draw_curvature", "draw_eta_family", "draw_heuristics", "draw_neighbours",
-    "draw_nodes", "draw_planner_tree", "draw_printed_basis", "draw_removal", "draw_sampled", "draw_search",
-    "draw_spline", "draw_start", "draw_study", "order_image",
+    "draw_cells",
+    "draw_compass",
+    "draw_curvature",
+    "draw_eta_family",
+    "draw_heuristics",
+    "draw_neighbours",
+    "draw_nodes",
+    "draw_planner_tree",
+    "draw_printed_basis",
+    "draw_removal",
+    "draw_sampled",
+    "draw_search",
+    "draw_spline",
+    "draw_start",
+    "draw_study",
+    "order_image",
 ]
 
 
 def draw_start(ax: Axes, point: ArrayLike) -> Line2D:
     """A triangle at the start `(2,)` [m]."""
     x, y = np.asarray(point, dtype=float)
-    (mark,) = ax.plot([x], [y], linestyle="", marker="^", markersize=10, color=COLORS["robot"],
-                      markeredgecolor="black", markeredgewidth=0.6, zorder=6)
+    (mark,) = ax.plot(
+        [x],
+        [y],
+        linestyle="",
+        marker="^",
+        markersize=10,
+        color=COLORS["robot"],
+        markeredgecolor="black",
+        markeredgewidth=0.6,
+        zorder=6,
+    )
     return mark
 
 
-def draw_cells(ax: Axes, grid: GridMap, cells: ArrayLike, *, role: str = "accent", alpha: float = 0.45,
-               inset: float = 0.06) -> PatchCollection:
+def draw_cells(
+    ax: Axes, grid: GridMap, cells: ArrayLike, *, role: str = "accent", alpha: float = 0.45, inset: float = 0.06
+) -> PatchCollection:
     """Cells `(n, 2)` x, y as tinted squares, a share `inset` smaller than a cell on each side."""
     corners = np.asarray(cells, dtype=float).reshape(-1, 2) * grid.resolution + grid.origin
     side, edge = grid.resolution * (1.0 - 2.0 * inset), grid.resolution * inset
@@ -67,8 +90,18 @@ def draw_search(ax: Axes, grid: GridMap, result: SearchResult, *, title: str = "
 def draw_nodes(ax: Axes, points: ArrayLike, *, role: str = "mover", label: str = "") -> Line2D:
     """Kept nodes `(n, 2)` [m] as squares."""
     p = np.asarray(points, dtype=float)
-    (marks,) = ax.plot(p[:, 0], p[:, 1], linestyle="", marker="s", markersize=6, color=COLORS[role],
-                       markeredgecolor="black", markeredgewidth=0.6, zorder=5, label=label or None)
+    (marks,) = ax.plot(
+        p[:, 0],
+        p[:, 1],
+        linestyle="",
+        marker="s",
+        markersize=6,
+        color=COLORS[role],
+        markeredgecolor="black",
+        markeredgewidth=0.6,
+        zorder=5,
+        label=label or None,
+    )
     return marks
 
 
@@ -87,22 +120,37 @@ def draw_planner_tree(ax: Axes) -> None:
     diagram(ax, 12.0, 6.2)
     root = block(ax, (6.0, 5.7), "path planning", size=(2.6, 0.7))
     kinds = {
-        "global: whole map known": ((2.0, 4.3), "reference", [
-            "graph: Dijkstra, A*,\nweighted A*", "sampling: RRT, PRM", "swarm: PSO, ACO, ABC"]),
-        "local: what sensors see": ((6.0, 4.3), "robot", [
-            "velocities: DWA", "gaps: VFH\nbands: elastic, TEB", "forces: APF\nrules: fuzzy, learned"]),
-        "hybrid: both": ((10.0, 4.3), "mover", [
-            "A* or Dijkstra + DWA", "PRM or RRT + TEB", "global APF + local\nfuzzy or MPC"]),
+        "global: whole map known": (
+            (2.0, 4.3),
+            "reference",
+            ["graph: Dijkstra, A*,\nweighted A*", "sampling: RRT, PRM", "swarm: PSO, ACO, ABC"],
+        ),
+        "local: what sensors see": (
+            (6.0, 4.3),
+            "robot",
+            ["velocities: DWA", "gaps: VFH\nbands: elastic, TEB", "forces: APF\nrules: fuzzy, learned"],
+        ),
+        "hybrid: both": (
+            (10.0, 4.3),
+            "mover",
+            ["A* or Dijkstra + DWA", "PRM or RRT + TEB", "global APF + local\nfuzzy or MPC"],
+        ),
     }
     for name, (center, role, members) in kinds.items():
         kind = block(ax, center, name, size=(3.3, 0.7), role=role)
         arrow(ax, root.bottom, kind.top)
         for k, member in enumerate(members):
             leaf = block(ax, (center[0], 3.1 - 1.1 * k), member, size=(3.3, 0.85), fontsize=8.5)
-            ax.plot([leaf.left[0] - 0.15, leaf.left[0]], [leaf.left[1]] * 2, color="#333333", linestyle="-",
-                    linewidth=1)
-        ax.plot([center[0] - 1.8, center[0] - 1.8, kind.left[0]], [0.9, center[1], center[1]], color="#333333",
-                linestyle="-", linewidth=1)
+            ax.plot(
+                [leaf.left[0] - 0.15, leaf.left[0]], [leaf.left[1]] * 2, color="#333333", linestyle="-", linewidth=1
+            )
+        ax.plot(
+            [center[0] - 1.8, center[0] - 1.8, kind.left[0]],
+            [0.9, center[1], center[1]],
+            color="#333333",
+            linestyle="-",
+            linewidth=1,
+        )
 
 
 def draw_neighbours(ax: Axes, count: int, corners: str = "permissive") -> None:
@@ -111,22 +159,32 @@ def draw_neighbours(ax: Axes, count: int, corners: str = "permissive") -> None:
     occupied[2, 1] = corners == "strict"
     grid = GridMap(occupied)
     draw_grid(ax, grid, lines=True)
-    for d, (dx, dy) in enumerate(search.STEPS.tolist()):
+    for d, (dx, dy) in enumerate(heuristics.STEPS.tolist()):
         if count == 4 and d % 2:
             continue
         legal = grid.move_allowed((1, 1), (dx, dy), corners)
         tip = (1.5 + 0.85 * dx, 1.5 + 0.85 * dy)
         if not grid.occupied[1 + dy, 1 + dx]:
-            ax.annotate("", tip, (1.5, 1.5), arrowprops={"arrowstyle": "-|>", "linestyle": "-" if legal else ":",
-                        "color": COLORS["path"] if legal else COLORS["unknown"], "linewidth": 1.6}, zorder=4)
+            ax.annotate(
+                "",
+                tip,
+                (1.5, 1.5),
+                arrowprops={
+                    "arrowstyle": "-|>",
+                    "linestyle": "-" if legal else ":",
+                    "color": COLORS["path"] if legal else COLORS["unknown"],
+                    "linewidth": 1.6,
+                },
+                zorder=4,
+            )
     ax.plot([1.5], [1.5], "o", color=COLORS["robot"], zorder=5)
     ax.set(xticks=[0, 1, 2, 3], yticks=[0, 1, 2, 3])
 
 
 def draw_compass(ax: Axes, offset: ArrayLike | None = None) -> None:
     """The eight directions with their compass names; for a goal at `offset` (2,) the five that Table 3.1 keeps."""
-    kept = set(range(8)) if offset is None else set(search.kept_directions(offset).tolist())
-    for d, (dx, dy) in enumerate(search.STEPS.tolist()):
+    kept = set(range(8)) if offset is None else set(heuristics.kept_directions(offset).tolist())
+    for d, (dx, dy) in enumerate(heuristics.STEPS.tolist()):
         face = COLORS["accent"] + "60" if d in kept else "#EEEEEE"
         ax.add_patch(Rectangle((dx - 0.5, dy - 0.5), 1.0, 1.0, facecolor=face, edgecolor="#888888", zorder=1))
         ax.text(dx, dy, f"{45 * d:03d}T", ha="center", va="center", color="black" if d in kept else "#777777", zorder=3)
@@ -154,16 +212,18 @@ def draw_heuristics(ax: Axes, start: ArrayLike, goal: ArrayLike) -> dict[str, Ar
     a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
     u = np.linspace(0.0, 0.995, 200)
     offset, total = (b - a) * (1.0 - u)[:, None], b - a
-    true = search.octile(offset)
+    true = heuristics.octile(offset)
     curves = {
-        "Euclidean": search.euclidean(offset) / true,
-        "Manhattan": search.manhattan(offset) / true,
-        "e^P Manhattan (eq 3.7)": np.exp(search.distance_scale(offset, total)) * search.manhattan(offset) / true,
-        "eq 4.4, base 10": search.enhanced(offset, total) / true,
-        "eq 4.4, base e": search.enhanced(offset, total, np.e) / true,
+        "Euclidean": heuristics.euclidean(offset) / true,
+        "Manhattan": heuristics.manhattan(offset) / true,
+        "e^P Manhattan (eq 3.7)": np.exp(heuristics.distance_scale(offset, total))
+        * heuristics.manhattan(offset)
+        / true,
+        "eq 4.4, base 10": heuristics.enhanced(offset, total) / true,
+        "eq 4.4, base e": heuristics.enhanced(offset, total, np.e) / true,
     }
     for name, values in curves.items():
-        ax.plot(search.euclidean(offset), values, label=name)
+        ax.plot(heuristics.euclidean(offset), values, label=name)
     ax.axhline(1.0, color="black", linestyle="-", linewidth=0.8)
     ax.set(xlabel="straight line to the goal [m]", ylabel="heuristic / true cost", ylim=(0, None))
     ax.invert_xaxis()
@@ -237,8 +297,16 @@ def draw_study(
     for k, (name, values) in enumerate(columns.items()):
         rows = [np.asarray(values)[(table[by] == g).to_numpy()] for g in groups]
         spots = np.arange(len(groups)) + (k - (len(columns) - 1) / 2.0) * width
-        made = ax.boxplot([r[np.isfinite(r)] for r in rows], positions=spots, widths=0.85 * width, whis=(5, 95),
-                          showfliers=False, patch_artist=True, medianprops={"color": "black"}, manage_ticks=False)
+        made = ax.boxplot(
+            [r[np.isfinite(r)] for r in rows],
+            positions=spots,
+            widths=0.85 * width,
+            whis=(5, 95),
+            showfliers=False,
+            patch_artist=True,
+            medianprops={"color": "black"},
+            manage_ticks=False,
+        )
         for box in made["boxes"]:
             box.set(facecolor=CYCLE[k] + "90", edgecolor=CYCLE[k])
         ax.plot([], [], color=CYCLE[k], linestyle="-", linewidth=6, alpha=0.6, label=name)
@@ -246,5 +314,3 @@ def draw_study(
     ax.set(xlabel=f"{by} of occupied cells", ylabel=ylabel)
     ax.grid(axis="x", visible=False)
     ax.legend()
-
-

@@ -12,15 +12,26 @@ from matplotlib.patches import Arc, Circle, Polygon, Rectangle, Wedge
 from matplotlib.transforms import Affine2D
 from numpy.typing import ArrayLike
 
-from fuzzynav import cameras
 from fuzzynav.geometry import Array, to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram
-from fuzzynav.robot import Robot, rims_from_turn
-from fuzzynav.sensors import SPEED_OF_SOUND, Scan, wheel_angle
+from fuzzynav.robot.model import Robot, rims_from_turn
+from fuzzynav.sensors import cameras
+from fuzzynav.sensors.scene import SPEED_OF_SOUND, Scan, wheel_angle
 
 __all__ = [
-    "draw_beams", "draw_cone", "draw_scan", "echo_sketch", "encoder_disc", "encoder_signals", "fusion_pipeline",
-    "laser_sketch", "navigation_architectures", "pinhole_picture", "pinhole_side", "robot_kinds", "turning_sketch",
+    "draw_beams",
+    "draw_cone",
+    "draw_scan",
+    "echo_sketch",
+    "encoder_disc",
+    "encoder_signals",
+    "fusion_pipeline",
+    "laser_sketch",
+    "navigation_architectures",
+    "pinhole_picture",
+    "pinhole_side",
+    "robot_kinds",
+    "turning_sketch",
     "wheeled_base",
 ]
 
@@ -62,8 +73,9 @@ def draw_cone(ax: Axes, pose: ArrayLike, opening: float, reading: float, *, role
     """A sonar's cone of `opening` [rad] up to its reading [m], from a pose."""
     x, y, theta = np.asarray(pose, dtype=float)
     middle, half = np.rad2deg(theta), np.rad2deg(opening) / 2.0
-    cone = Wedge((x, y), reading, middle - half, middle + half, facecolor=COLORS[role] + "40",
-                 edgecolor=COLORS[role], zorder=2)
+    cone = Wedge(
+        (x, y), reading, middle - half, middle + half, facecolor=COLORS[role] + "40", edgecolor=COLORS[role], zorder=2
+    )
     ax.add_patch(cone)
     return cone
 
@@ -136,8 +148,13 @@ def fusion_pipeline(ax: Axes) -> None:
     arrow(ax, fuse.bottom, match.bottom, "prediction", bend=-0.4, linestyle="--", offset=(0.0, -0.85))
 
 
-def _tyre(ax: Axes, center: tuple[float, float], angle: float = 0.0, size: tuple[float, float] = (0.34, 0.12),
-          role: str = "obstacle") -> Rectangle:
+def _tyre(
+    ax: Axes,
+    center: tuple[float, float],
+    angle: float = 0.0,
+    size: tuple[float, float] = (0.34, 0.12),
+    role: str = "obstacle",
+) -> Rectangle:
     x, y = center
     tyre = Rectangle((x - size[0] / 2, y - size[1] / 2), *size, facecolor=COLORS[role], edgecolor="black", zorder=4)
     tyre.set_transform(Affine2D().rotate_around(x, y, angle) + ax.transData)
@@ -227,8 +244,18 @@ def encoder_disc(ax: Axes, slots: int, angle: float = 0.0) -> list[Wedge]:
     ax.set_aspect("equal")
     ax.axis("off")
     pitch = 360.0 / slots
-    wedges = [Wedge((0, 0), 1.0, np.rad2deg(angle) + k * pitch, np.rad2deg(angle) + (k + 0.5) * pitch, width=0.28,
-                    facecolor="white", edgecolor="black") for k in range(slots)]
+    wedges = [
+        Wedge(
+            (0, 0),
+            1.0,
+            np.rad2deg(angle) + k * pitch,
+            np.rad2deg(angle) + (k + 0.5) * pitch,
+            width=0.28,
+            facecolor="white",
+            edgecolor="black",
+        )
+        for k in range(slots)
+    ]
     ax.add_patch(Circle((0, 0), 1.08, facecolor="#C8C8C8", edgecolor="black"))
     for wedge in wedges:
         ax.add_patch(wedge)
@@ -265,10 +292,29 @@ def echo_sketch(ax: Axes, distance: float) -> float:
     for k, share in enumerate((0.15, 0.35, 0.55, 0.75, 0.95)):
         out, back = 2.0 * share * distance, 2.0 * (2.0 - share) * distance  # the echo comes as from behind the wall
         wide, narrow = np.rad2deg(0.25 / (out / 2.0)), np.rad2deg(0.25 / (back / 2.0))
-        ax.add_patch(Arc((0, 0.35), out, out, theta1=-min(wide, 15), theta2=min(wide, 15), color=COLORS["robot"],
-                         linewidth=2.2 - 0.3 * k))
-        ax.add_patch(Arc((2 * distance, -0.35), back, back, theta1=180 - narrow, theta2=180 + narrow,
-                         color=COLORS["path"], linestyle="--", linewidth=0.7 + 0.3 * k))
+        ax.add_patch(
+            Arc(
+                (0, 0.35),
+                out,
+                out,
+                theta1=-min(wide, 15),
+                theta2=min(wide, 15),
+                color=COLORS["robot"],
+                linewidth=2.2 - 0.3 * k,
+            )
+        )
+        ax.add_patch(
+            Arc(
+                (2 * distance, -0.35),
+                back,
+                back,
+                theta1=180 - narrow,
+                theta2=180 + narrow,
+                color=COLORS["path"],
+                linestyle="--",
+                linewidth=0.7 + 0.3 * k,
+            )
+        )
     ax.annotate("", (0, -0.72), (distance, -0.72), arrowprops={"arrowstyle": "<->"})
     ax.text(distance / 2, -0.84, f"D = {distance:.3f} m, echo after T = {1e3 * time:.2f} ms", ha="center", fontsize=9)
     ax.text(-0.15, 0.35, "sent ", fontsize=9, color=COLORS["robot"], ha="right", va="center")
@@ -291,8 +337,13 @@ def laser_sketch(axes: Sequence[Axes], distance: float, speed: float) -> float:
     arrow(space, target.at(-1.0, -0.35), receiver.right, "reflection", linestyle="--", offset=(0.0, -0.3))
     t = np.linspace(0.0, 1.4 * flight, 600) * 1e9
     for at, height, role, name in ((0.1 * flight, 1.0, "path", "sent"), (1.1 * flight, 0.35, "accent", "received")):
-        clock.plot(t, height * np.exp(-0.5 * ((t - at * 1e9) / (0.025 * flight * 1e9)) ** 2), color=COLORS[role],
-                   linestyle="-", label=name)
+        clock.plot(
+            t,
+            height * np.exp(-0.5 * ((t - at * 1e9) / (0.025 * flight * 1e9)) ** 2),
+            color=COLORS[role],
+            linestyle="-",
+            label=name,
+        )
     clock.annotate("", (0.1 * flight * 1e9, 0.5), (1.1 * flight * 1e9, 0.5), arrowprops={"arrowstyle": "<->"})
     clock.text(0.6 * flight * 1e9, 0.54, f"T = {flight * 1e9:.2f} ns", ha="center", fontsize=9)
     clock.set(xlabel="time [ns]", ylabel="light", yticks=[], title=f"D = {distance} m")

@@ -16,13 +16,22 @@ from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram, draw_path, draw_robot, metric_axes
-from fuzzynav.reference import Reference
-from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.robot.model import TURTLEBOT2, Robot
 from fuzzynav.tracking import Trace, yaw_rate_unguarded
+from fuzzynav.tracking.reference import Reference
 
 __all__ = [
-    "draw_flat_loop", "draw_poles", "draw_reference", "draw_rivals", "draw_singularity", "draw_time_against_error",
-    "draw_tracking_errors", "draw_tracking_path", "draw_tracking_speeds", "draw_unicycle", "draw_velocity_estimates",
+    "draw_flat_loop",
+    "draw_poles",
+    "draw_reference",
+    "draw_rivals",
+    "draw_singularity",
+    "draw_time_against_error",
+    "draw_tracking_errors",
+    "draw_tracking_path",
+    "draw_tracking_speeds",
+    "draw_unicycle",
+    "draw_velocity_estimates",
 ]
 
 BESIDE: dict[str, Any] = {"loc": "center left", "bbox_to_anchor": (1.0, 0.5)}  # a legend that covers no curve
@@ -37,8 +46,14 @@ def draw_unicycle(ax: Axes, robot: Robot = TURTLEBOT2) -> tuple[Artist, ...]:
     mark.heading.set_visible(False)
     for side in (1.0, -1.0):
         corner = to_world(pose, [[-robot.wheel_radius, side * robot.track / 2.0 - 0.012]])[0]
-        wheel = Rectangle((corner[0], corner[1]), 2.0 * robot.wheel_radius, 0.024, angle=float(np.degrees(pose[2])),
-                          facecolor="black", zorder=7)
+        wheel = Rectangle(
+            (corner[0], corner[1]),
+            2.0 * robot.wheel_radius,
+            0.024,
+            angle=float(np.degrees(pose[2])),
+            facecolor="black",
+            zorder=7,
+        )
         ax.add_patch(wheel)
     for tip, name in (((0.3, 0.0), "$X_l$"), ((0.0, 0.24), "$Y_l$")):
         end = to_world(pose, [tip])[0]
@@ -48,8 +63,9 @@ def draw_unicycle(ax: Axes, robot: Robot = TURTLEBOT2) -> tuple[Artist, ...]:
     ax.text(pose[0] + 0.14, pose[1] + 0.03, r"$\theta$")
     ax.text(pose[0] - 0.06, pose[1] - 0.035, "$(x, y)$")
     left, right = (to_world(pose, [[-0.11, side * robot.track / 2.0]])[0] for side in (1.0, -1.0))
-    (span,) = ax.plot([left[0], right[0]], [left[1], right[1]], color=COLORS["path"], linestyle="-", marker="o",
-                      markersize=3)
+    (span,) = ax.plot(
+        [left[0], right[0]], [left[1], right[1]], color=COLORS["path"], linestyle="-", marker="o", markersize=3
+    )
     label = 0.72 * left + 0.28 * right
     ax.text(label[0] - 0.035, label[1] - 0.02, "$L$", color=COLORS["path"])
     size = to_world(pose, [[robot.wheel_radius / 2.0, robot.track / 2.0 + 0.025]])[0]
@@ -64,8 +80,9 @@ def draw_flat_loop(ax: Axes) -> Axes:
     size = (2.1, 1.0)
     ref = block(ax, (1.2, 3.2), "reference\n$z_{ref}, u_{ref}$", size=size, role="reference")
     gain = block(ax, (4.3, 3.2), "error gain\n$K(z_{ref}-z)$", size=size)
-    comp = block(ax, (8.0, 3.2), "compensator\n$\\dot v, \\omega = F^{-1}u$\n$v=\\int\\dot v$", size=(2.4, 1.3),
-                 role="accent")
+    comp = block(
+        ax, (8.0, 3.2), "compensator\n$\\dot v, \\omega = F^{-1}u$\n$v=\\int\\dot v$", size=(2.4, 1.3), role="accent"
+    )
     robot = block(ax, (11.7, 3.2), "robot\n$(x, y, \\theta)$", size=size, role="robot")
     flat = block(ax, (8.0, 0.9), "flat state\n$z=(x,\\dot x,y,\\dot y)$", size=(2.4, 1.0))
     arrow(ax, ref.right, gain.left, "$z_{ref}$")
@@ -107,8 +124,10 @@ def draw_tracking_errors(ax: Axes, trace: Trace, *, scale: float = 1e3) -> list[
     """Errors of x, y and theta over time in mm and mrad (scale 1 gives m and rad)."""
     units = ("mm", "mm", "mrad") if scale == 1e3 else ("m", "m", "rad")
     names = ("$x_d - x$", "$y_d - y$", r"$\theta_d - \theta$")
-    lines = [ax.plot(trace.t, scale * e, label=f"{name} [{unit}]")[0]
-             for e, name, unit in zip(trace.errors.T, names, units, strict=True)]
+    lines = [
+        ax.plot(trace.t, scale * e, label=f"{name} [{unit}]")[0]
+        for e, name, unit in zip(trace.errors.T, names, units, strict=True)
+    ]
     ax.set(xlabel="t [s]", ylabel=f"error [{units[0]}, {units[2]}]")
     ax.legend(**BESIDE)
     return lines
@@ -117,8 +136,10 @@ def draw_tracking_errors(ax: Axes, trace: Trace, *, scale: float = 1e3) -> list[
 def draw_tracking_speeds(ax: Axes, trace: Trace) -> list[Line2D]:
     """Commands v and omega over time."""
     t = trace.t[:-1]
-    lines = [ax.plot(t, trace.commands[:, 0], label="v [m/s]")[0],
-             ax.plot(t, trace.commands[:, 1], label=r"$\omega$ [rad/s]")[0]]
+    lines = [
+        ax.plot(t, trace.commands[:, 0], label="v [m/s]")[0],
+        ax.plot(t, trace.commands[:, 1], label=r"$\omega$ [rad/s]")[0],
+    ]
     ax.set(xlabel="t [s]", ylabel="v [m/s], $\\omega$ [rad/s]")
     ax.legend(**BESIDE)
     return lines
@@ -167,8 +188,15 @@ def draw_time_against_error(ax: Axes, times: Mapping[str, float], errors: Mappin
     """Error [mm] against compute time of one step [us], one marker for each method; time is logarithmic."""
     lines = []
     for k, (name, marker) in enumerate(zip(times, "osD^vPX*", strict=False)):
-        lines += ax.plot([times[name]], [errors[name]], marker=marker, linestyle="", markersize=8, label=name,
-                         color=list(COLORS.values())[k % 7])
+        lines += ax.plot(
+            [times[name]],
+            [errors[name]],
+            marker=marker,
+            linestyle="",
+            markersize=8,
+            label=name,
+            color=list(COLORS.values())[k % 7],
+        )
     ax.set(xscale="log", ylim=(0.0, 1.15 * max(errors.values())), xlabel="time of one step [µs]", ylabel="error [mm]")
     ax.legend(**BESIDE)
     return lines
@@ -177,8 +205,10 @@ def draw_time_against_error(ax: Axes, times: Mapping[str, float], errors: Mappin
 def draw_velocity_estimates(ax: Axes, table: pd.DataFrame) -> list[Line2D]:
     """Mean tracking error [mm] against position noise [mm], one line for each source of the derivatives."""
     means = table.groupby(["observer", "noise"], sort=False)["rms"].mean().unstack(0)
-    lines = [ax.plot(1e3 * means.index.to_numpy(), 1e3 * means[name].to_numpy(), marker=marker, label=name)[0]
-             for name, marker in zip(means.columns, "os^D", strict=False)]
+    lines = [
+        ax.plot(1e3 * means.index.to_numpy(), 1e3 * means[name].to_numpy(), marker=marker, label=name)[0]
+        for name, marker in zip(means.columns, "os^D", strict=False)
+    ]
     ax.set(xscale="log", yscale="log", xlabel="position noise [mm]", ylabel="RMS distance [mm]")
     ax.set_xticks(1e3 * means.index.to_numpy(), [f"{1e3 * n:g}" for n in means.index])
     ax.xaxis.minorticks_off()

@@ -20,7 +20,7 @@ def merged(firing, conclusions):
 
 
 # %% 03.4
-safe_sets = replace(chapter_2.SpeedSets(), near_end=2.5, medium_left=0.8)
+safe_sets = replace(study.SpeedSets(), near_end=2.5, medium_left=0.8)
 
 # %% 03.5
 weights = {

@@ -14,8 +14,8 @@ from scipy.ndimage import label
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from fuzzynav import astar, search
-from fuzzynav.gridmap import GridMap
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.planning import astar, heuristics
 
 QUERIES = 12
 PERMISSIVE = replace(astar.OPTIMAL, corners="permissive", ties="lifo")
@@ -54,8 +54,11 @@ def maze(rng, size, width=7):
     occupied[:width, :width] = False
     while stack:
         x, y = stack[-1]
-        ways = [(dx, dy) for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))
-                if 0 <= x + dx < n and 0 <= y + dy < n and (x + dx, y + dy) not in seen]
+        ways = [
+            (dx, dy)
+            for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1))
+            if 0 <= x + dx < n and 0 <= y + dy < n and (x + dx, y + dy) not in seen
+        ]
         if not ways:
             stack.pop()
             continue
@@ -95,8 +98,11 @@ def w9(occupied):
     from w9_pathfinding.envs import Grid
     from w9_pathfinding.pf import AStar
 
-    environment = Grid(np.where(occupied, -1.0, 1.0).tolist(), diagonal_movement_cost_multiplier=2**0.5,
-                       diagonal_movement=DiagonalMovement.only_when_no_obstacle)
+    environment = Grid(
+        np.where(occupied, -1.0, 1.0).tolist(),
+        diagonal_movement_cost_multiplier=2**0.5,
+        diagonal_movement=DiagonalMovement.only_when_no_obstacle,
+    )
     return AStar(environment).find_path
 
 
@@ -132,7 +138,7 @@ def scipy_dijkstra(occupied):
     free = np.pad(~occupied, 1)
     number = np.arange(rows * cols).reshape(rows, cols)
     parts = []
-    for dx, dy in search.STEPS.tolist():
+    for dx, dy in heuristics.STEPS.tolist():
         there = free[1 + dy : rows + 1 + dy, 1 + dx : cols + 1 + dx] & ~occupied
         if dx and dy:
             there &= free[1 + dy : rows + 1 + dy, 1:-1] & free[1:-1, 1 + dx : cols + 1 + dx]
@@ -189,8 +195,15 @@ def against(task, grid, pairs, peer):
     """The row of one map and one peer."""
     name, module, side, options, count = peer
     spent, found = seconds(ours(grid, options), pairs[:count])
-    row = {"task": task, "unit": "ms", "ours": 1e3 * spent / count, "peer": None, "peer_name": name, "ratio": None,
-           "agreement": "not installed"}
+    row = {
+        "task": task,
+        "unit": "ms",
+        "ours": 1e3 * spent / count,
+        "peer": None,
+        "peer_name": name,
+        "ratio": None,
+        "agreement": "not installed",
+    }
     if importlib.util.find_spec(module) is None:
         return row
     theirs, answers = seconds(side(grid.occupied), pairs[:count], 1 if count < QUERIES else 3)
@@ -208,7 +221,15 @@ def rows():
             name = f"{make.__name__}, {size} x {size}"
             table += [against(f"path on {name}", grid, pairs, peer) for peer in PEERS]
             spent, found = seconds(ours(grid, astar.QUICK), pairs)
-            table.append({"task": f"one cell expanded on {name}", "unit": "ns",
-                          "ours": 1e9 * spent / sum(r.searched for r in found), "peer": None, "peer_name": "none",
-                          "ratio": None, "agreement": "-"})
+            table.append(
+                {
+                    "task": f"one cell expanded on {name}",
+                    "unit": "ns",
+                    "ours": 1e9 * spent / sum(r.searched for r in found),
+                    "peer": None,
+                    "peer_name": "none",
+                    "ratio": None,
+                    "agreement": "-",
+                }
+            )
     return table

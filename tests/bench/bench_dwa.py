@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from fuzzynav import batch, dwa, simulate
-from fuzzynav.experiments import dwa_safety, dwa_study
-from fuzzynav.experiments.dwa_loop import drive
-from fuzzynav.gridmap import GridMap
-from fuzzynav.robot import THESIS
-from fuzzynav.world import Observation
+from fuzzynav.dwa.fast import drive
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.robot.model import THESIS
+from fuzzynav.studies.dwa import comparison, safety
+from fuzzynav.world.world import Observation
 
 SPEED = np.array([0.5, 0.1])
 GOAL = np.array([5.0, 2.0])
@@ -49,10 +49,13 @@ def by_steps(seen):
     samples = dwa.window(seen.velocity, THESIS, PARAMS)
     free = dwa.free_distance(seen.pose, samples, seen.points, THESIS.radius)
     ok = dwa.admissible(samples, free, THESIS, PARAMS.dt)
-    raw = np.column_stack([
-        dwa.heading_score(seen.pose, samples, seen.goal, PARAMS.sim_time), dwa.distance_score(free, PARAMS.d_max),
-        dwa.speed_score(samples),
-    ])
+    raw = np.column_stack(
+        [
+            dwa.heading_score(seen.pose, samples, seen.goal, PARAMS.sim_time),
+            dwa.distance_score(free, PARAMS.d_max),
+            dwa.speed_score(samples),
+        ]
+    )
     totals = np.where(ok, 0.0, -np.inf)
     totals[ok] = dwa.objective(dwa.normalise(raw[ok]), PARAMS.weights)
     return samples[int(np.argmax(totals))]
@@ -81,8 +84,15 @@ def their_step(module, seen):
 
 
 def row(task, unit, ours, peer, name, agreement):
-    return {"task": task, "unit": unit, "ours": ours, "peer": peer, "peer_name": name,
-            "ratio": None if peer is None else peer / ours, "agreement": agreement}
+    return {
+        "task": task,
+        "unit": unit,
+        "ours": ours,
+        "peer": peer,
+        "peer_name": name,
+        "ratio": None if peer is None else peer / ours,
+        "agreement": agreement,
+    }
 
 
 def steps():
@@ -113,17 +123,17 @@ def on_a_field():
 
 def runs():
     """Simulated seconds for one second of computing, open and compiled; runs per minute on two cores."""
-    world, field = dwa_study._scene("0.05/3")
+    world, field = comparison._scene("0.05/3")
     params = dwa.CHAPTER_4
 
     def open_():
         controller = dwa.Controller(THESIS, params, field=field)
-        return simulate.run(world, THESIS, controller, dwa_study.START, dwa_study.GOAL)
+        return simulate.run(world, THESIS, controller, comparison.START, comparison.GOAL)
 
     run = open_()
     slow = seconds(open_, 1)
-    made = drive(world, dwa_study.START, dwa_study.GOAL, params, field=field)
-    fast = seconds(lambda: drive(world, dwa_study.START, dwa_study.GOAL, params, field=field), 3)
+    made = drive(world, comparison.START, comparison.GOAL, params, field=field)
+    fast = seconds(lambda: drive(world, comparison.START, comparison.GOAL, params, field=field), 3)
     return [
         row("simulate.run, scan of 360 beams and field", "s simulated per s", run.duration / slow, None, "none", "-"),
         row("compiled closed loop", "runs per minute and core", 60.0 / fast, None, "none", f"same run: {made.status}"),
@@ -133,9 +143,9 @@ def runs():
 def sweep():
     """Runs per minute of `batch` on two processes, wall clock, once both have started."""
     with ProcessPoolExecutor(2) as pool:
-        batch.run(dwa_safety.outcome, range(30_000, 30_008), executor=pool, chunk=4, progress=False)
+        batch.run(safety.outcome, range(30_000, 30_008), executor=pool, chunk=4, progress=False)
         start = time.perf_counter()
-        batch.run(dwa_safety.outcome, range(30_008, 30_168), executor=pool, progress=False)
+        batch.run(safety.outcome, range(30_008, 30_168), executor=pool, progress=False)
         minutes = (time.perf_counter() - start) / 60.0
     return [row("batch on two processes, 720 beams", "runs per minute", 160 / minutes, None, "none", "wall clock")]
 

@@ -4,8 +4,9 @@ import time
 
 import numpy as np
 
-from fuzzynav import localization, particles, sensors
-from fuzzynav.gridmap import GridMap
+from fuzzynav import localization, sensors
+from fuzzynav.localization import particles
+from fuzzynav.maps.gridmap import GridMap
 
 
 def plain_scores(poses: np.ndarray, scan: sensors.Scan, field: particles.LikelihoodField) -> np.ndarray:
@@ -44,8 +45,22 @@ def rows() -> list[dict[str, object]]:
     slow = median(lambda: plain_scores(swarm.poses, scan, field))
     cycle = median(lambda: particles.step(particles.drift(swarm, [0.1, 0.1], noise, rng), scan, field, params, rng))
     return [
-        {"task": "scores of 1000 particles, 30 beams", "unit": "ms", "ours": 1e3 * fast, "peer": 1e3 * slow,
-         "peer_name": "NumPy", "ratio": slow / fast, "agreement": f"{100 * same:.1f} % of the scores equal to 1e-5"},
-        {"task": "particle filter cycle, 1000 particles, 30 beams", "unit": "ms", "ours": 1e3 * cycle, "peer": None,
-         "peer_name": None, "ratio": None, "agreement": "no peer installed"},
+        {
+            "task": "scores of 1000 particles, 30 beams",
+            "unit": "ms",
+            "ours": 1e3 * fast,
+            "peer": 1e3 * slow,
+            "peer_name": "NumPy",
+            "ratio": slow / fast,
+            "agreement": f"{100 * same:.1f} % of the scores equal to 1e-5",
+        },
+        {
+            "task": "particle filter cycle, 1000 particles, 30 beams",
+            "unit": "ms",
+            "ours": 1e3 * cycle,
+            "peer": None,
+            "peer_name": None,
+            "ratio": None,
+            "agreement": "no peer installed",
+        },
     ]

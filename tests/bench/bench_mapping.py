@@ -6,9 +6,10 @@ from collections.abc import Callable
 import numpy as np
 from bresenham import bresenham
 
-from fuzzynav import logs, mapping, posegraph
-from fuzzynav.gridmap import GridMap
-from fuzzynav.world import World
+from fuzzynav import mapping
+from fuzzynav.mapping import logs, posegraph
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.world.world import World
 
 RESOLUTION = 0.1
 SENSOR = mapping.InverseSensor()
@@ -87,9 +88,17 @@ def map_rows() -> list[dict[str, object]]:
         part = (poses[::every], log.ranges[::every], log.angles)
         theirs = len(part[0]) / best(lambda peer=peer, part=part: peer(blank, *part), 1)
         note = agreement(mapping.update(blank, *part, SENSOR).log_odds, peer(blank, *part))
-        out.append({"task": "occupancy map of the Killian log, 3873 scans of 180 beams, 0.1 m", "unit": "scans/s",
-                    "ours": ours, "peer": theirs, "peer_name": f"{name} (every {every}th scan)", "ratio": ours / theirs,
-                    "agreement": note})
+        out.append(
+            {
+                "task": "occupancy map of the Killian log, 3873 scans of 180 beams, 0.1 m",
+                "unit": "scans/s",
+                "ours": ours,
+                "peer": theirs,
+                "peer_name": f"{name} (every {every}th scan)",
+                "ratio": ours / theirs,
+                "agreement": note,
+            }
+        )
     return out
 
 
@@ -122,9 +131,17 @@ def cast_rows() -> list[dict[str, object]]:
         ours = best(lambda grid=grid: grid.cast(pose, angles, 100.0), 50)
         theirs = best(lambda grid=grid: numpy_cast(grid, pose, angles, 100.0), 5)
         gap = np.abs(grid.cast(pose, angles, 100.0) - numpy_cast(grid, pose, angles, 100.0)).max()
-        out.append({"task": f"scan of 360 beams, 1000 x 1000 cells, {name}", "unit": "us", "ours": 1e6 * ours,
-                    "peer": 1e6 * theirs, "peer_name": "NumPy", "ratio": theirs / ours,
-                    "agreement": f"ranges within {max(gap, 1e-12):.0e} m"})
+        out.append(
+            {
+                "task": f"scan of 360 beams, 1000 x 1000 cells, {name}",
+                "unit": "us",
+                "ours": 1e6 * ours,
+                "peer": 1e6 * theirs,
+                "peer_name": "NumPy",
+                "ratio": theirs / ours,
+                "agreement": f"ranges within {max(gap, 1e-12):.0e} m",
+            }
+        )
     return out
 
 
@@ -138,10 +155,16 @@ def world_rows() -> list[dict[str, object]]:
     angles = np.linspace(-np.pi, np.pi, 720, endpoint=False)
     none = {"unit": "us", "peer": None, "peer_name": None, "ratio": None, "agreement": "no peer installed"}
     return [
-        {"task": "scan of 720 beams, 20 m world of 400 x 400 cells and 40 shapes",
-         "ours": 1e6 * best(lambda: world.cast(pose, angles, 10.0), 200), **none},
-        {"task": "clearance of one point in the same world",
-         "ours": 1e6 * best(lambda: world.clearance(pose[:2]), 200), **none},
+        {
+            "task": "scan of 720 beams, 20 m world of 400 x 400 cells and 40 shapes",
+            "ours": 1e6 * best(lambda: world.cast(pose, angles, 10.0), 200),
+            **none,
+        },
+        {
+            "task": "clearance of one point in the same world",
+            "ours": 1e6 * best(lambda: world.clearance(pose[:2]), 200),
+            **none,
+        },
     ]
 
 

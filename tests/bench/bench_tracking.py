@@ -6,11 +6,18 @@ from statistics import median
 import numpy as np
 
 from fuzzynav import tracking
-from fuzzynav.reference import FigureEight
+from fuzzynav.tracking.reference import FigureEight
 
 EIGHT = FigureEight()
-LAWS = {"DFL": tracking.Dfl, "linear flatness": tracking.Flatness, "Kanayama": tracking.Kanayama, "PID": tracking.Pid,
-        "LQR": tracking.Lqr, "sliding mode": tracking.Sliding, "MPC, horizon 15": tracking.Mpc}
+LAWS = {
+    "DFL": tracking.Dfl,
+    "linear flatness": tracking.Flatness,
+    "Kanayama": tracking.Kanayama,
+    "PID": tracking.Pid,
+    "LQR": tracking.Lqr,
+    "sliding mode": tracking.Sliding,
+    "MPC, horizon 15": tracking.Mpc,
+}
 
 
 def step_time(law):
@@ -35,8 +42,15 @@ def run_time(law, repeats, **options):
 
 
 def row(task, unit, ours, peer, peer_name, agreement):
-    return {"task": task, "unit": unit, "ours": ours, "peer": peer, "peer_name": peer_name,
-            "ratio": None if peer is None else peer / ours, "agreement": agreement}
+    return {
+        "task": task,
+        "unit": unit,
+        "ours": ours,
+        "peer": peer,
+        "peer_name": peer_name,
+        "ratio": None if peer is None else peer / ours,
+        "agreement": agreement,
+    }
 
 
 def gain_rows():
@@ -58,13 +72,23 @@ def gain_rows():
     except ImportError:
         return [row("LQR gain", "us", ours, None, "python-control is not installed", "")]
     theirs, other = timed(lambda: control.lqr(a, b, weights.q, weights.r)[0])
-    return [row("LQR gain", "us", ours, theirs, f"python-control {control.__version__}",
-                f"gains agree within {np.abs(gain - other).max():.0e}")]
+    return [
+        row(
+            "LQR gain",
+            "us",
+            ours,
+            theirs,
+            f"python-control {control.__version__}",
+            f"gains agree within {np.abs(gain - other).max():.0e}",
+        )
+    ]
 
 
 def rows():
-    table = [row(f"control step, {name}", "us", step_time(law(EIGHT)), None, "no installed peer", "")
-             for name, law in LAWS.items()]
+    table = [
+        row(f"control step, {name}", "us", step_time(law(EIGHT)), None, "no installed peer", "")
+        for name, law in LAWS.items()
+    ]
     for name, law in LAWS.items():
         tracker = law(EIGHT)
         compiled = "MPC" not in name
@@ -74,6 +98,14 @@ def rows():
         if compiled and name in ("DFL", "Kanayama"):
             theirs, slow = run_time(tracker, 3, compiled=False)
             same = np.array_equal(trace.poses, slow.poses)
-            table.append(row(f"figure eight of 126 s, {name}", "ms", ours, theirs, "the same loop in Python",
-                             f"the runs are {'equal to the bit' if same else 'DIFFERENT'}"))
+            table.append(
+                row(
+                    f"figure eight of 126 s, {name}",
+                    "ms",
+                    ours,
+                    theirs,
+                    "the same loop in Python",
+                    f"the runs are {'equal to the bit' if same else 'DIFFERENT'}",
+                )
+            )
     return table + gain_rows()

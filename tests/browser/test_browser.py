@@ -82,14 +82,30 @@ def lab(tmp_path_factory) -> Iterator[Lab]:
         shutil.copy(HOME / name, root)
     port = free_port()
     home = tmp_path_factory.mktemp("home")
-    quiet = {"JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "JUPYTER_RUNTIME_DIR": "runtime",
-             "JUPYTERLAB_SETTINGS_DIR": "settings", "JUPYTERLAB_WORKSPACES_DIR": "workspaces"}
-    words = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--ip=127.0.0.1", f"--port={port}",
-             f"--IdentityProvider.token={TOKEN}", f"--ServerApp.root_dir={root}",
-             "--LabApp.news_url=None", "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate"]
+    quiet = {
+        "JUPYTER_CONFIG_DIR": "config",
+        "JUPYTER_DATA_DIR": "data",
+        "JUPYTER_RUNTIME_DIR": "runtime",
+        "JUPYTERLAB_SETTINGS_DIR": "settings",
+        "JUPYTERLAB_WORKSPACES_DIR": "workspaces",
+    }
+    words = [
+        sys.executable,
+        "-m",
+        "jupyterlab",
+        "--no-browser",
+        "--allow-root",
+        "--ip=127.0.0.1",
+        f"--port={port}",
+        f"--IdentityProvider.token={TOKEN}",
+        f"--ServerApp.root_dir={root}",
+        "--LabApp.news_url=None",
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+    ]
     with (root / "server.log").open("w") as log:
-        server = subprocess.Popen(words, stdout=log, stderr=log, cwd=root,
-                                  env={**os.environ, **{k: str(home / v) for k, v in quiet.items()}})
+        server = subprocess.Popen(
+            words, stdout=log, stderr=log, cwd=root, env={**os.environ, **{k: str(home / v) for k, v in quiet.items()}}
+        )
     running = Lab(f"http://127.0.0.1:{port}", root / "notebooks")
     try:
         wait_for("JupyterLab", lambda: running.get("/api/status"))
@@ -182,8 +198,11 @@ def press_slider(page, label: str | None) -> dict:
 
 
 def scroll(page, pixels: int) -> None:
-    page.evaluate("""d => { const n = document.querySelector('.jp-WindowedPanel-outer');
-                            if (n) n.scrollTop += d; }""", pixels)
+    page.evaluate(
+        """d => { const n = document.querySelector('.jp-WindowedPanel-outer');
+                            if (n) n.scrollTop += d; }""",
+        pixels,
+    )
 
 
 def stored_faults(page, lab: Lab, name: str) -> list[str]:

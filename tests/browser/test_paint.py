@@ -24,6 +24,7 @@ def searched(page) -> int:
 
 def settled(page, canvas) -> dict[str, float]:
     """Where the canvas is once it is wholly in sight and the notebook has stopped moving."""
+
     def still():
         canvas.scroll_into_view_if_needed()
         first = canvas.bounding_box()

@@ -63,8 +63,13 @@ def store(path: Path) -> None:
 def execute(notebook: NotebookNode, folder: Path) -> None:
     """Run all cells in the folder of the notebook; raises NotStored at the first failure."""
     os.environ.pop("FUZZYNAV_GRADE", None)
-    client = NotebookClient(notebook, timeout=CELL_SECONDS, kernel_name="python3", store_widget_state=False,
-                            resources={"metadata": {"path": str(folder)}})
+    client = NotebookClient(
+        notebook,
+        timeout=CELL_SECONDS,
+        kernel_name="python3",
+        store_widget_state=False,
+        resources={"metadata": {"path": str(folder)}},
+    )
     try:
         client.execute()
     except CellTimeoutError as error:
@@ -77,10 +82,12 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
 
 def clean(notebook: NotebookNode, stem: str) -> None:
     """Bring a notebook that was run to the form in which the course keeps it."""
-    notebook.metadata = nbformat.from_dict({
-        "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
-        "language_info": {"name": "python"},
-    })
+    notebook.metadata = nbformat.from_dict(
+        {
+            "kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"},
+            "language_info": {"name": "python"},
+        }
+    )
     notebook.nbformat_minor = 5
     count, used = 0, set()
     for index, cell in enumerate(notebook.cells):
@@ -124,9 +131,9 @@ def metadata(cell: NotebookNode) -> dict[str, object]:
 
 def nbgrader(kind: str, name: str) -> dict[str, object]:
     """nbgrader's cell metadata, schema 3: the stub is the solution cell, the check the graded, locked one."""
-    from fuzzynav.course import exercises
+    from fuzzynav.course import all_exercises
 
-    known = exercises()
+    known = all_exercises()
     if name not in known:
         raise NotStored(f"exercise {name} is not defined in fuzzynav/course")
     base = {"grade_id": f"{kind}-{name}", "schema_version": 3, "task": False}

@@ -1,0 +1,1 @@
+"""The exercises of every chapter, with their checks and hints."""

@@ -1,1 +1,0 @@
-"""Our choices for what the documents leave open, and one function for each published number."""

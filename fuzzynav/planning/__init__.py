@@ -1,0 +1,10 @@
+"""Global planning: grid search, heuristics, visibility and sampling (chapter 05a)."""
+
+from fuzzynav.planning import astar, heuristics, sampling, visibility
+
+__all__ = [
+    "astar",
+    "heuristics",
+    "sampling",
+    "visibility",
+]

@@ -1,0 +1,1 @@
+"""The labs' pictures: one function for each, moved by sliders."""

@@ -1,0 +1,25 @@
+"""The one closed loop and the record it leaves (chapters 04 and 06)."""
+
+from fuzzynav.simulate.loop import (
+    IDEAL,
+    STATUSES,
+    Controller,
+    Loop,
+    Playback,
+    Run,
+    Sensing,
+    run,
+    stands_free,
+)
+
+__all__ = [
+    "Controller",
+    "IDEAL",
+    "Loop",
+    "Playback",
+    "Run",
+    "STATUSES",
+    "Sensing",
+    "run",
+    "stands_free",
+]

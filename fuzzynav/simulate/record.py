@@ -1,0 +1,184 @@
+"""What a closed-loop run leaves behind: its record, its metrics, and the file that keeps it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzynav.geometry import Array, length, point_segment_distance, wrap
+
+__all__ = ["STATUSES", "Run"]
+
+STATUSES: tuple[str, ...] = ("reached", "collided", "stalled", "timeout", "no_path", "local_minimum")
+MOVING = 0.05  # [m/s] slower than this a path has no curvature worth integrating
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """A finished run of n steps; entry k + 1 of the poses is where command k led.
+
+    `clearance[k]` is the least distance [m] from the robot's rim to anything during step k; `contacts_moving` counts
+    the contacts begun while the robot drove, `contacts_standing` the movers that ran into a robot at rest.
+    """
+
+    t: Array  # (n + 1,) [s]
+    poses: Array  # (n + 1, 3) true poses
+    commands: Array  # (n, 2) speeds driven, v [m/s] and omega [rad/s]
+    clearance: Array  # (n,) [m]
+    log: Mapping[str, Array]  # wishes, believed poses, movers and what the controller gave as evidence
+    status: str
+    goal: Array = field(default_factory=lambda: np.full(2, np.nan))
+    radius: float = 0.0  # [m] of the robot
+    contacts_moving: int = 0
+    contacts_standing: int = 0
+
+    def __post_init__(self) -> None:
+        if self.status not in STATUSES:
+            raise ValueError(f"status '{self.status}' has no name here: use one of {', '.join(STATUSES)}")
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached."""
+        return self.status == "reached"
+
+    @property
+    def iterations(self) -> int:
+        """Number of control steps."""
+        return len(self.commands)
+
+    @property
+    def dt(self) -> float:
+        """Length of one step [s]; nan for a run without steps."""
+        return float(self.t[1] - self.t[0]) if len(self.t) > 1 else float("nan")
+
+    @property
+    def duration(self) -> float:
+        """Time driven [s]."""
+        return float(self.t[-1])
+
+    @property
+    def length(self) -> float:
+        """Length of the driven path [m]: the arcs themselves, not their chords."""
+        return float(np.abs(self.commands[:, 0]).sum() * self.dt) if len(self.commands) else 0.0
+
+    @property
+    def chord_length(self) -> float:
+        """Length [m] of the polyline through the recorded positions."""
+        return length(self.poses)
+
+    @property
+    def min_clearance(self) -> float:
+        """Least distance [m] from the robot's rim to anything; inf for a run without steps or an empty world."""
+        return float(self.clearance.min()) if len(self.clearance) else float("inf")
+
+    @property
+    def smoothness(self) -> float:
+        """Integral of the squared curvature [1/m] along the path; less is smoother."""
+        v, omega = np.abs(self.commands[:, 0]), self.commands[:, 1]
+        fast = v > MOVING
+        return float((omega[fast] ** 2 / v[fast]).sum() * self.dt) if fast.any() else 0.0
+
+    @property
+    def jerk(self) -> float:
+        """Integral of the squared jerk of v [m^2/s^5]; less is gentler."""
+        v = self.commands[:, 0]
+        return float((np.diff(v, 2) ** 2).sum() / self.dt**3) if len(v) > 2 else 0.0
+
+    @property
+    def variation(self) -> Array:
+        """Total variation `(2,)` of v [m/s] and of omega [rad/s]: the sum of all their changes."""
+        return np.abs(np.diff(self.commands, axis=0)).sum(axis=0)
+
+    @property
+    def turns(self) -> int:
+        """Number of turns: stretches of one sense of rotation by more than 10 degrees together."""
+        heading = np.concatenate([[0.0], np.cumsum(wrap(np.diff(self.poses[:, 2])))])
+        return _reversals(heading, np.radians(10.0))
+
+    def rms_error(self, reference: ArrayLike) -> float:
+        """Root mean square distance [m] from the path to the polyline `(m, 2)`, over the recorded positions.
+
+        Raises ValueError for fewer than two reference points.
+        """
+        line = np.asarray(reference, dtype=float)[:, :2]
+        if len(line) < 2:
+            raise ValueError("a reference needs at least two points")
+        gaps = point_segment_distance(self.poses[:, None, :2], line[None, :-1], line[None, 1:]).min(axis=1)
+        return float(np.sqrt(np.mean(gaps**2)))
+
+    def metrics(self) -> dict[str, float | int | str]:
+        """The run in one row: status and every measure above."""
+        v, omega = self.variation if self.iterations > 1 else (0.0, 0.0)
+        return {
+            "status": self.status,
+            "length": self.length,
+            "duration": self.duration,
+            "iterations": self.iterations,
+            "min_clearance": self.min_clearance,
+            "smoothness": self.smoothness,
+            "jerk": self.jerk,
+            "turns": self.turns,
+            "variation_v": float(v),
+            "variation_omega": float(omega),
+            "contacts_moving": self.contacts_moving,
+            "contacts_standing": self.contacts_standing,
+        }
+
+    def frames(self, every: int = 1) -> Iterator[tuple[int, Array, Array]]:
+        """Replay: (step, pose, mover positions (m, 2)) of every n-th recorded moment, and of the last."""
+        movers = self.log.get("movers", np.empty((len(self.t), 0, 2)))
+        last = len(self.t) - 1
+        for k in [*range(0, last, every), last]:
+            yield k, self.poses[k], movers[k]
+
+    def save(self, path: str | Path) -> None:
+        """Write the run as a compressed npz of plain arrays, without pickle."""
+        log: dict[str, Any] = {f"log_{name}": np.asarray(values) for name, values in self.log.items()}
+        plain: dict[str, Any] = {name: getattr(self, name) for name in Run.__dataclass_fields__ if name != "log"}
+        with Path(path).open("wb") as file:
+            np.savez_compressed(file, **plain, **log)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Run:
+        """Read a run that `save` wrote.
+
+        Raises FileNotFoundError if there is no such file, ValueError if it does not hold a run.
+        """
+        with np.load(Path(path), allow_pickle=False) as file:
+            missing = {name for name in cls.__dataclass_fields__ if name != "log"} - set(file.files)
+            if missing:
+                raise ValueError(f"{Path(path).name} does not hold a run: it lacks {', '.join(sorted(missing))}")
+            log = {name.removeprefix("log_"): file[name] for name in file.files if name.startswith("log_")}
+            return cls(
+                t=file["t"],
+                poses=file["poses"],
+                commands=file["commands"],
+                clearance=file["clearance"],
+                log=log,
+                status=str(file["status"]),
+                goal=file["goal"],
+                radius=float(file["radius"]),
+                contacts_moving=int(file["contacts_moving"]),
+                contacts_standing=int(file["contacts_standing"]),
+            )
+
+
+def _reversals(heading: Array, threshold: float) -> int:
+    """Number of monotone swings of at least `threshold`, smaller wiggles between them ignored."""
+    count, sense = 0, 0
+    low = high = float(heading[0])
+    for value in heading[1:].tolist():
+        if sense <= 0:
+            low = min(low, value)
+        if sense >= 0:
+            high = max(high, value)
+        if sense <= 0 and value - low >= threshold:
+            sense, high, count = 1, value, count + 1
+        elif sense >= 0 and high - value >= threshold:
+            sense, low, count = -1, value, count + 1
+    return count

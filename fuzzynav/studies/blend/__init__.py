@@ -1,0 +1,1 @@
+"""Studies of the fuzzy blend (chapter 08)."""

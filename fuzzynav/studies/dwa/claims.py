@@ -1,0 +1,239 @@
+"""Thesis chapter 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
+
+The thesis prints neither the map, nor start and goal, dt, d_max, robot radius, goal tolerance, or any membership
+breakpoint. Ours: random maps of 20 x 20 cells; the one shown is the map, among the maps searched, on which both
+planners arrive and come nearest to the four printed numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from fuzzynav import batch, documents, simulate
+from fuzzynav.dwa.decision import Controller, Field, Plan
+from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
+from fuzzynav.dwa.steps import CHAPTER_3
+from fuzzynav.dwa.weights import FuzzyWeights
+from fuzzynav.fuzzy import FuzzySystem
+from fuzzynav.robot.model import THESIS
+from fuzzynav.simulate.record import Run
+from fuzzynav.studies.dwa import comparison, safety, tuning
+from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, RESULTS, START, TIME_LIMIT, random_map
+from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.world.world import Observation, World
+
+__all__ = [
+    "AS_THESIS",
+    "CASE",
+    "REPRODUCTIONS",
+    "SCENES",
+    "STUDIES",
+    "fuzzy_run",
+    "gain",
+    "plain_run",
+    "scene",
+    "small_scene",
+    "success_rate",
+    "two_planners",
+    "weight_words",
+]
+
+AS_THESIS = replace(CHAPTER_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
+CASE = "0.05/30136"  # found by the study dwa_scenes
+SCENES = tuple(f"{density}/{seed}" for seed in range(30000, 30250) for density in ("0.05", "0.10"))
+OURS = "map, start, goal, dt 0.1 s, radius 0.3 m, d_max 2 m, goal tolerance 0.5 m, breakpoints, default weights"
+
+
+@cache
+def scene() -> tuple[World, Field]:
+    """The world of figure 3.15, ours, and its distance field."""
+    grid = random_map(CASE)
+    return World(grid=grid), Field.of(grid)
+
+
+def small_scene(velocity: tuple[float, float] = (0.8, 0.0)) -> Observation:
+    """Two round obstacles before a robot that drives: the scene of figure 3.9, ours."""
+    turn = np.linspace(0, 2 * np.pi, 60, endpoint=False)
+    rims = [
+        np.column_stack([x + r * np.cos(turn), y + r * np.sin(turn)])
+        for x, y, r in ((2.1, 0.45, 0.35), (1.6, -1.0, 0.3))
+    ]
+    return Observation(
+        time=0.0, pose=np.zeros(3), velocity=np.array(velocity), points=np.vstack(rims), goal=np.array([5.0, 1.0])
+    )
+
+
+def _controller(fuzzy: bool, keep: bool) -> Controller:
+    """Traditional or fuzzy; where no rule fires the fuzzy one takes the middle of each range."""
+    system = FuzzySystem.load(RULES / "thesis_table_3_2.fll")
+    weigh = FuzzyWeights(system, MID_RANGE) if fuzzy else None
+    return Controller(THESIS, AS_THESIS, weigh=weigh, field=scene()[1], keep=keep)
+
+
+@cache
+def _run(fuzzy: bool) -> tuple[Run, tuple[Plan, ...]]:
+    controller = _controller(fuzzy, keep=True)
+    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, sensors=BLIND)
+    return run, tuple(controller.plans)
+
+
+def plain_run() -> tuple[Run, tuple[Plan, ...]]:
+    """The run of figure 3.15a with every plan: weights of table 3.3."""
+    return _run(False)
+
+
+def fuzzy_run() -> tuple[Run, tuple[Plan, ...]]:
+    """The run of figure 3.15b with every plan: weights of table 3.2."""
+    return _run(True)
+
+
+def two_planners(case: str) -> dict[str, Any]:
+    """Both planners on one map, scored as the thesis prints it; one row of the search for the map of figure 3.15."""
+    grid = random_map(case)
+    world, field = World(grid=grid), Field.of(grid)
+    plain = drive(world, START, GOAL, AS_THESIS, field=field, t_max=TIME_LIMIT)
+    row: dict[str, Any] = {"density": case.split("/")[0], "plain": plain.status}
+    if plain.status != "reached":
+        return {
+            **row,
+            "fuzzy": "not tried",
+            "misfit": np.nan,
+            "plain_iterations": 0,
+            "plain_length": np.nan,
+            "fuzzy_iterations": 0,
+            "fuzzy_length": np.nan,
+        }
+    fuzzy = drive(
+        world,
+        START,
+        GOAL,
+        replace(AS_THESIS, weights=MID_RANGE),
+        field=field,
+        t_max=TIME_LIMIT,
+        rules=shipped("thesis_table_3_2"),
+    )
+    found = [plain.iterations, plain.length, fuzzy.iterations, fuzzy.length]
+    documents = [_printed(f"c-3.5-{who}-{what}") for who in ("TDWA", "FDWA") for what in ("iter", "len")]
+    off = np.abs(np.array(found) / documents - 1.0) @ [1.0, 5.0, 1.0, 5.0]
+    return {
+        **row,
+        "fuzzy": fuzzy.status,
+        "misfit": round(float(off), 4),
+        "plain_iterations": plain.iterations,
+        "plain_length": round(plain.length, 3),
+        "fuzzy_iterations": fuzzy.iterations,
+        "fuzzy_length": round(fuzzy.length, 3),
+    }
+
+
+def _printed(name: str) -> float:
+    return float(documents.claim(f"thesis:{name}").value)
+
+
+def run_scenes() -> None:
+    """Search the map of figure 3.15; writes data/results/dwa_scenes.csv."""
+    batch.run(two_planners, SCENES, path=RESULTS / "dwa_scenes.csv")
+
+
+# --- what was printed -------------------------------------------------------------------------------
+
+
+def gain(what: str) -> float:
+    """Reduction [%] from the traditional to the fuzzy run, of length or iterations."""
+    before, after = (float(getattr(run()[0], what)) for run in (plain_run, fuzzy_run))
+    return 100.0 * (before - after) / before
+
+
+def success_rate(method: str) -> float:
+    """Share of the 500 maps with 5 % blocked cells on which a method arrives [%]."""
+    table = comparison.comparison("end")
+    rows = table[(table["method"] == method) & (table["density"].astype(float) == 0.05)]
+    return 100.0 * float(rows["success"].mean())
+
+
+def weight_words(run: Run, fast: bool) -> str:
+    """The weights in words, thirds of [0, 1]: mean over the first second, or over the steps above half top speed."""
+    chosen = run.commands[:, 0] > 0.5 * THESIS.max_vel_x if fast else run.t[:-1] < 1.0
+    names = ("low", "moderate", "high")
+    means = [float(np.asarray(run.log[w])[chosen].mean()) for w in ("alpha", "beta", "gamma")]
+    return "; ".join(f"{w} {names[min(int(3 * m), 2)]}" for w, m in zip(("alpha", "beta", "gamma"), means, strict=True))
+
+
+def calmer() -> bool:
+    """Whether both v and omega vary less in total in the fuzzy run."""
+    return bool((fuzzy_run()[0].variation < plain_run()[0].variation).all())
+
+
+TIMES = (
+    "seconds of another machine: 0.2789 s for an iteration of the plain planner and 0.1002 s with a fuzzy "
+    "inference on top cannot both be planning time (errata T44)"
+)
+ONE_MAP = "one map of ours; the printed one is not available"
+
+REPRODUCTIONS: tuple[Reproduction, ...] = (
+    Reproduction(claim="thesis:c-3.5-TDWA-time", verdict="not testable", because=TIMES),
+    Reproduction(claim="thesis:c-3.5-TDWA-len", measure=lambda: plain_run()[0].length, because=ONE_MAP, ours=OURS),
+    Reproduction(claim="thesis:c-3.5-TDWA-iter", measure=lambda: plain_run()[0].iterations, because=ONE_MAP, ours=OURS),
+    Reproduction(
+        claim="thesis:c-3.5-TDWA-succ",
+        measure=lambda: success_rate("printed .8 .1 .1"),
+        ours=OURS,
+        because="500 random maps with 5 % blocked cells; the number of printed trials is not known",
+    ),
+    Reproduction(claim="thesis:c-3.5-FDWA-time", verdict="not testable", because=TIMES),
+    Reproduction(claim="thesis:c-3.5-FDWA-len", measure=lambda: fuzzy_run()[0].length, because=ONE_MAP, ours=OURS),
+    Reproduction(claim="thesis:c-3.5-FDWA-iter", measure=lambda: fuzzy_run()[0].iterations, because=ONE_MAP, ours=OURS),
+    Reproduction(
+        claim="thesis:c-3.5-FDWA-succ",
+        measure=lambda: success_rate("fuzzy 9, else mid-range"),
+        ours=OURS,
+        because="500 random maps with 5 % blocked cells; the number of printed trials is not known",
+    ),
+    Reproduction(claim="thesis:c-3.5-pct-1", verdict="not testable", because=TIMES),
+    Reproduction(
+        claim="thesis:c-3.5-pct-2",
+        measure=lambda: gain("length"),
+        because=ONE_MAP,
+        ours=OURS,
+        direction=lambda: gain("length") > 0,
+    ),
+    Reproduction(
+        claim="thesis:c-3.5-pct-3",
+        measure=lambda: gain("iterations"),
+        because=ONE_MAP,
+        ours=OURS,
+        direction=lambda: gain("iterations") > 0,
+    ),
+    Reproduction(
+        claim="thesis:c-3.5-caption",
+        verdict="contradicts itself",
+        because="the caption announces two environments, the table holds one (errata T26)",
+    ),
+    Reproduction(claim="thesis:c-3.16-smooth", measure=calmer, because="total variation of v and of omega", ours=OURS),
+    Reproduction(
+        claim="thesis:c-3.16-weights-start",
+        measure=lambda: weight_words(fuzzy_run()[0], False),
+        ours=OURS,
+        because="no rule of table 3.2 has (Medium, High, Low); a blend might (errata T41)",
+    ),
+    Reproduction(
+        claim="thesis:c-3.16-weights-fast",
+        measure=lambda: weight_words(fuzzy_run()[0], True),
+        ours=OURS,
+        because="no rule of table 3.2 has gamma High with beta Medium (errata T41)",
+    ),
+)
+
+STUDIES: tuple[Study, ...] = (
+    Study("dwa_scenes", run_scenes),
+    Study("dwa_fixed_search", comparison.run_fixed_search),
+    Study("dwa_tuning", tuning.run_tuning),
+    Study("dwa_comparison", comparison.run_comparison),
+    Study("dwa_comparison_tuned", comparison.run_tuned_comparison),
+    Study("dwa_safety", safety.run_safety),
+    Study("dwa_noise", safety.run_noisy),
+)

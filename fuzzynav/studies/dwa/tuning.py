@@ -1,0 +1,175 @@
+"""A rule base for the weights tuned by evolution, started from the best fixed weights, judged on maps it has not seen.
+
+Twelve rules (2 headings x 3 distances x 2 speeds), each with three constant weights: with all rules alike it is a fixed
+set of weights, so that the tuned base can do everything the fixed one can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzynav import batch
+from fuzzynav.data import folder
+from fuzzynav.dwa.fast import tables_of
+from fuzzynav.dwa.steps import Params
+from fuzzynav.fuzzy import FuzzySystem, Rule, Variable
+from fuzzynav.fuzzy.membership import Term
+from fuzzynav.fuzzy.variable import RuleBlock
+from fuzzynav.geometry import Array
+from fuzzynav.studies.dwa.comparison import DENSITIES, RESULTS, TRAINING, best_fixed, mean_score
+
+__all__ = ["VALIDATION", "evolve", "run_tuning", "start_vector", "system_of"]
+
+VALIDATION = tuple(f"{density}/{seed}" for density in DENSITIES for seed in range(20000, 20050))
+GENERATIONS = 32
+TERMS = {"headGoal": ("Little", "Lots"), "distObs": ("Close", "Medium", "Far"), "velRob": ("Slow", "Fast")}
+TOPS = {"headGoal": 180.0, "distObs": 15.0, "velRob": 1.0}
+KNOTS = np.array([30.0, 90.0, 0.5, 1.5, 3.0, 0.2, 0.7])  # where the sets begin to fall and to rise
+SPREAD = np.array([10.0, 20.0, 0.2, 0.4, 0.8, 0.1, 0.2])
+OUT = folder("fuzzy") / "ours_dwa_tuned.fll"
+
+
+def start_vector(weights: ArrayLike) -> Array:
+    """The vector (31,) of a rule base that answers fixed weights everywhere."""
+    w = np.maximum(np.asarray(weights, dtype=float), 0.01)
+    return np.concatenate([np.zeros(7), np.tile(np.log(w[:2] / w[2]), 12)])
+
+
+def system_of(vector: ArrayLike, name: str = "ours_dwa_tuned") -> FuzzySystem:
+    """The rule base that a vector (31,) stands for: seven knots, then two log ratios for each of twelve rules."""
+    x = np.asarray(vector, dtype=float)
+    h1, h2, d1, d2, d3, v1, v2 = _knots(x[:7])
+    sets = {
+        "headGoal": ((0, 0, h1, h2), (h1, h2, 180, 180)),
+        "distObs": ((0, 0, d1, d2), (d1, d2, d2, d3), (d2, d3, 15, 15)),
+        "velRob": ((0, 0, v1, v2), (v1, v2, 1, 1)),
+    }
+    inputs = tuple(
+        Variable(
+            name=n,
+            low=0.0,
+            high=TOPS[n],
+            lock_range=True,
+            terms=tuple(
+                Term(name=term, shape="trapezoid", parameters=p) for term, p in zip(TERMS[n], sets[n], strict=True)
+            ),
+        )
+        for n in sets
+    )
+    ratios = np.exp(np.clip(np.column_stack([x[7:].reshape(12, 2), np.zeros(12)]), -6, 6))
+    weights = np.round(ratios / ratios.sum(axis=1, keepdims=True), 4)
+    outputs = tuple(
+        Variable(
+            name=n,
+            low=0.0,
+            high=1.0,
+            defuzzifier="weighted average",
+            terms=tuple(
+                Term(name=f"r{r + 1}", shape="constant", parameters=(float(weights[r, k]),)) for r in range(12)
+            ),
+        )
+        for k, n in enumerate(("alpha", "beta", "gamma"))
+    )
+    block = RuleBlock(rules=_rules(), name="tuned", conjunction="product")
+    return FuzzySystem(
+        name=name,
+        inputs=inputs,
+        outputs=outputs,
+        blocks=(block,),
+        source="ours",
+        description="weights of the dynamic window, tuned by evolution on random maps",
+    )
+
+
+def _knots(raw: Array) -> Array:
+    """Knots in order inside their ranges, rounded so that the file and the search agree."""
+    k = KNOTS + SPREAD * raw
+    groups = (k[:2], 1.0, 179.0, 1.0), (k[2:5], 0.02, 14.0, 0.02), (k[5:], 0.01, 0.99, 0.01)
+    ordered = []
+    for values, low, high, gap in groups:
+        inside = np.sort(np.clip(values, low, high))
+        for i in range(1, len(inside)):
+            inside[i] = max(inside[i], inside[i - 1] + gap)
+        ordered.append(inside)
+    return np.asarray(np.round(np.concatenate(ordered), 3), dtype=float)
+
+
+def _rules() -> tuple[Rule, ...]:
+    """All combinations of terms, each with its own constants."""
+    combinations = [(h, d, v) for h in TERMS["headGoal"] for d in TERMS["distObs"] for v in TERMS["velRob"]]
+    return tuple(
+        Rule.parse(
+            f"if headGoal is {h} and distObs is {d} and velRob is {v} then alpha is r{k} and beta is r{k} "
+            f"and gamma is r{k}"
+        )
+        for k, (h, d, v) in enumerate(combinations, start=1)
+    )
+
+
+def evolve(cost: Callable[[Array], float], start: Array, sigma: float, generations: int, seed: int = 0) -> list[Array]:
+    """Means of every generation of a covariance matrix adaptation with rank-mu and rank-one updates."""
+    rng, n = np.random.default_rng(seed), len(start)
+    size = 4 + int(3 * np.log(n))
+    parents = size // 2
+    w = np.log(parents + 0.5) - np.log(np.arange(1, parents + 1))
+    w /= w.sum()
+    mu = 1.0 / (w**2).sum()
+    cs, cc = (mu + 2) / (n + mu + 5), (4 + mu / n) / (n + 4 + 2 * mu / n)
+    c1 = 2 / ((n + 1.3) ** 2 + mu)
+    cm = min(1 - c1, 2 * (mu - 2 + 1 / mu) / ((n + 2) ** 2 + mu))
+    damping, chi = 1 + cs, np.sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n**2))
+    mean, cov, ps, pc = start.copy(), np.eye(n), np.zeros(n), np.zeros(n)
+    means = [mean]
+    for _ in range(generations):
+        values, axes = np.linalg.eigh(cov)
+        root = axes * np.sqrt(np.maximum(values, 1e-12))
+        steps = rng.standard_normal((size, n)) @ root.T
+        order = np.argsort([cost(mean + sigma * s) for s in steps], kind="stable")[:parents]
+        move = w @ steps[order]
+        mean = mean + sigma * move
+        ps = (1 - cs) * ps + np.sqrt(cs * (2 - cs) * mu) * (axes / np.sqrt(np.maximum(values, 1e-12))) @ axes.T @ move
+        pc = (1 - cc) * pc + np.sqrt(cc * (2 - cc) * mu) * move
+        cov = (1 - c1 - cm) * cov + c1 * np.outer(pc, pc) + cm * (steps[order].T * w) @ steps[order]
+        sigma *= float(np.exp(cs / damping * (np.linalg.norm(ps) / chi - 1)))
+        means.append(mean)
+    return means
+
+
+def score_generation(case: str) -> dict[str, float]:
+    """Training and validation score of one generation's mean; the case is its number and its vector."""
+    number, _, text = case.partition(":")
+    vector = np.array([float(x) for x in text.split()])
+    base = Params(weights=best_fixed())
+    rules = tables_of(system_of(vector))
+    train, held = mean_score(base, rules, TRAINING), mean_score(base, rules, VALIDATION)
+    return {
+        "generation": int(number),
+        "time": train["time"],
+        "success": train["success"],
+        "held_time": held["time"],
+        "held_success": held["success"],
+    }
+
+
+def run_tuning() -> None:
+    """Tune, write each generation's score to data/results/dwa_tuning.csv and the best on validation maps as .fll.
+
+    The evolution itself is not resumed: it is repeated from its seed when the file of scores is missing.
+    """
+    path = RESULTS / "dwa_tuning.csv"
+    best = best_fixed()
+    if path.exists() and OUT.exists():
+        return
+    base = Params(weights=best)
+
+    def cost(vector: Array) -> float:
+        return mean_score(base, tables_of(system_of(vector)), TRAINING)["time"]
+
+    means = evolve(cost, start_vector(best), 0.5, GENERATIONS)
+    cases = [f"{k}:" + " ".join(f"{x:.5f}" for x in mean) for k, mean in enumerate(means)]
+    table = batch.run(score_generation, cases[::4], path=path)
+    winner = str(table.sort_values(["held_time", "generation"])["case"].iloc[0])
+    system_of(np.array([float(x) for x in winner.partition(":")[2].split()])).save(OUT)

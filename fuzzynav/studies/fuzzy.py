@@ -1,0 +1,218 @@
+"""Chapter 2 of the thesis, section 2.4: the example systems of notebook 03, which are ours, and the worked example.
+
+The thesis prints no number in section 2.4. The one printed number that its methods can be held against is the worked
+example of the 27-rule planner.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from fuzzynav.data import folder
+from fuzzynav.fuzzy import FuzzySystem, Rule, RuleBlock, Term, Variable
+from fuzzynav.studies.reproduction import Reproduction
+
+__all__ = ["REPRODUCTIONS", "SpeedSets", "arrangements", "planner", "rule_base", "speed_system", "sugeno_speed"]
+
+FOLDER = folder("fuzzy")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpeedSets:
+    """Breakpoints of the sets of `speed_system`: distance [m], heading error [deg], speed [m/s]."""
+
+    near_end: float = 2.0
+    medium_left: float = 0.0
+    medium_peak: float = 2.0
+    medium_right: float = 4.0
+    far_start: float = 2.0
+    small_end: float = 90.0
+    large_start: float = 0.0
+    slow_end: float = 0.3
+    middle_left: float = 0.0
+    middle_peak: float = 0.3
+    middle_right: float = 0.6
+    fast_start: float = 0.3
+
+
+SPEED_RULES = (
+    "if distance is Near then speed is Slow",
+    "if distance is Medium and error is Small then speed is Middle",
+    "if distance is Far and error is Small then speed is Fast",
+    "if error is Large then speed is Slow",
+)
+
+
+def _triangle(name: str, *corners: float) -> Term:
+    return Term(name=name, shape="triangle", parameters=corners)
+
+
+def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
+    """Speed [m/s] from the distance of an obstacle [m] and the heading error [deg]: four rules, triangles, ours.
+
+    The universe of `distance`, 0 to 4 m with Near, Medium and Far, is the example that the thesis prints.
+
+    >>> round(speed_system()(1.5, 30.0)[0], 3)
+    0.284
+    """
+    s = chosen or SpeedSets()
+    distance = Variable(
+        name="distance",
+        low=0.0,
+        high=4.0,
+        unit="m",
+        terms=(
+            _triangle("Near", 0.0, 0.0, s.near_end),
+            _triangle("Medium", s.medium_left, s.medium_peak, s.medium_right),
+            _triangle("Far", s.far_start, 4.0, 4.0),
+        ),
+    )
+    error = Variable(
+        name="error",
+        low=0.0,
+        high=90.0,
+        unit="deg",
+        terms=(_triangle("Small", 0.0, 0.0, s.small_end), _triangle("Large", s.large_start, 90.0, 90.0)),
+    )
+    speed = Variable(
+        name="speed",
+        low=0.0,
+        high=0.6,
+        unit="m/s",
+        terms=(
+            _triangle("Slow", 0.0, 0.0, s.slow_end),
+            _triangle("Middle", s.middle_left, s.middle_peak, s.middle_right),
+            _triangle("Fast", s.fast_start, 0.6, 0.6),
+        ),
+    )
+    return FuzzySystem(
+        name="speed",
+        inputs=(distance, error),
+        outputs=(speed,),
+        blocks=(RuleBlock(name="rules", rules=_speed_rules()),),
+        description="ours, to learn with",
+    )
+
+
+@cache
+def _speed_rules() -> tuple[Rule, ...]:
+    return tuple(Rule.parse(text) for text in SPEED_RULES)
+
+
+def sugeno_speed() -> FuzzySystem:
+    """Speed [m/s] from the distance [m] of an obstacle by three Takagi-Sugeno rules: 0.1, 0.15 distance, 0.6; ours.
+
+    >>> round(sugeno_speed()(1.0)[0], 3)
+    0.125
+    """
+    distance = speed_system().inputs[0]
+    terms = (
+        Term(name="Crawl", shape="constant", parameters=(0.1,)),
+        Term(name="Follow", shape="linear", parameters=(0.15, 0.0)),
+        Term(name="Cruise", shape="constant", parameters=(0.6,)),
+    )
+    speed = Variable(name="speed", low=0.0, high=0.6, unit="m/s", terms=terms, defuzzifier="weighted average")
+    pairs = (("Near", "Crawl"), ("Medium", "Follow"), ("Far", "Cruise"))
+    rules = tuple(Rule.parse(f"if distance is {a} then speed is {b}") for a, b in pairs)
+    return FuzzySystem(
+        name="sugeno",
+        inputs=(distance,),
+        outputs=(speed,),
+        blocks=(RuleBlock(name="rules", rules=rules),),
+        description="ours, to learn with",
+    )
+
+
+def arrangements() -> dict[str, Variable]:
+    """Three ways to lay three sets over the distance [m]: symmetric, too little overlap, too much; ours."""
+    corners = {
+        "symmetric, crossing at 0.5": ((0, 0, 0, 2), (0, 2, 2, 4), (2, 4, 4, 4)),
+        "too little overlap: gaps": ((0, 0, 0, 0.8), (1.2, 2, 2, 2.8), (3.2, 4, 4, 4)),
+        "too much overlap: at full height": ((0, 0, 1.6, 3.2), (0.4, 1.2, 2.8, 3.6), (0.8, 2.4, 4, 4)),
+    }
+    names = ("Near", "Medium", "Far")
+    return {
+        title: Variable(
+            name="distance",
+            low=0.0,
+            high=4.0,
+            unit="m",
+            terms=tuple(Term(name=n, shape="trapezoid", parameters=c) for n, c in zip(names, rows, strict=True)),
+        )
+        for title, rows in corners.items()
+    }
+
+
+@cache
+def rule_base(name: str) -> FuzzySystem:
+    """A rule base of `data/fuzzy` by its file name without the ending. Raises FileNotFoundError."""
+    return FuzzySystem.load(FOLDER / f"{name}.fll")
+
+
+def planner(sigma: float | None = None) -> FuzzySystem:
+    """The 27-rule planner; `sigma` replaces the printed width of the input and output sets (as part of their range)."""
+    system = rule_base("fuzzy_planner_table_i")
+    if sigma is None:
+        return system
+    return replace(
+        system,
+        inputs=tuple(_widened(v, sigma) for v in system.inputs),
+        outputs=tuple(_widened(v, sigma) for v in system.outputs),
+    )
+
+
+def _widened(variable: Variable, sigma: float) -> Variable:
+    width = sigma * (variable.high - variable.low)
+    terms = tuple(replace(t, parameters=(t.parameters[0], width)) for t in variable.terms)
+    return replace(variable, terms=terms)
+
+
+def _example(output: int) -> float:
+    return float(planner()(0.8, 0.3, 0.5)[output])
+
+
+def _closer_is_slower_and_turns_more() -> bool:
+    """End to end, from nothing near to an obstacle at the robot, the other inputs at 0.5."""
+    v, omega = planner()(0.5, 0.5, np.array([1.0, 0.0]))
+    return bool(v[1] < v[0] and omega[1] > omega[0])
+
+
+def _sigma() -> float:
+    widths = {round(term.parameters[1] / (v.high - v.low), 6) for v in (*planner().inputs, *planner().outputs)
+              for term in v.terms}  # fmt: skip
+    return widths.pop() if len(widths) == 1 else float("nan")
+
+
+REPRODUCTIONS: tuple[Reproduction, ...] = (
+    Reproduction(
+        claim="fuzzy-planner:c-ex-v", measure=lambda: _example(0), tolerance=0.0005,
+        because="rounding of three decimals", ours="centres of the sets 0, 0.5, 1; min, max, centroid (not printed)",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-ex-w", measure=lambda: _example(1), tolerance=0.05,
+        because="rounding of one decimal", ours="output sets scaled by 90 deg/s; min, max, centroid (not printed)",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-rules", measure=lambda: len(planner().rules), tolerance=0.0,
+        because="a count", ours="rule 27 read as Far where it prints For",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-sigma", measure=_sigma, tolerance=0.00005,
+        because="the width that the shipped rule base has in every set, as part of its range",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-vb", measure=lambda: planner().outputs[0].high, tolerance=0.0,
+        because="the range of the output; the centroid itself stays between 0.149 and 0.851 m/s",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-wb", measure=lambda: planner().outputs[1].high, tolerance=0.0,
+        because="the range of the output; the centroid itself stays between 13.4 and 76.6 deg/s",
+    ),
+    Reproduction(
+        claim="fuzzy-planner:c-mono", measure=_closer_is_slower_and_turns_more,
+        because="compared end to end, D_obs 1 against 0; between them v dips to about 0.82 m/s near 0.8",
+    ),
+)  # fmt: skip

@@ -1,0 +1,1 @@
+"""Studies of global planning (chapter 05)."""

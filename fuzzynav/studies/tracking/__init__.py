@@ -1,0 +1,1 @@
+"""Studies of trajectory tracking (chapter 04)."""

@@ -1,0 +1,153 @@
+"""Chapter 5, tracking: the printed numbers, measured. What meets an obstacle stands in `chapter_5_avoidance`."""
+
+from __future__ import annotations
+
+from functools import cache, partial
+
+import numpy as np
+
+from fuzzynav import batch, tracking
+from fuzzynav.robot.model import PIONEER_3DX, TURTLEBOT2, Robot
+from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.studies.tracking import rivals
+from fuzzynav.tracking.reference import FigureEight
+
+__all__ = [
+    "EXPERIMENT",
+    "GAINS",
+    "REPRODUCTIONS",
+    "SIMULATION",
+    "STUDIES",
+    "amplitude_for_length",
+    "baseline_is_beaten",
+    "experiment_run",
+    "simulation_run",
+]
+
+SIMULATION = FigureEight()
+GAINS = tracking.DflGains()
+EXPERIMENT = FigureEight(amplitude=1.25, duration=40.0 * np.pi)  # amplitude ours: it is not printed
+ODOMETRY = tracking.Disturbance(position_noise=0.003, heading_noise=0.01, slip=0.02, motor_lag=0.1)  # ours
+
+
+@cache
+def simulation_run() -> tracking.Trace:
+    """The thesis' simulation: gains of table 5.2, Euler steps of 0.1 s, started on the curve at its speed."""
+    return tracking.follow(tracking.Dfl(SIMULATION, GAINS, TURTLEBOT2, dt=0.1), euler=True)
+
+
+@cache
+def experiment_run(seed: int = 1) -> tracking.Trace:
+    """An imitation of the experiment: one lap of amplitude 1.25 m with noisy odometry, slip and motor lag."""
+    law = tracking.Dfl(EXPERIMENT, GAINS, PIONEER_3DX, dt=0.1)
+    return tracking.follow(law, disturbance=ODOMETRY, rng=seed)
+
+
+def amplitude_for_length(length: float, duration: float) -> float:
+    """Amplitude a [m] at which the figure eight is `length` [m] long after `duration` [s].
+
+    >>> round(amplitude_for_length(11.77, 126.0), 4)
+    1.2433
+    """
+    return length / FigureEight(amplitude=1.0, duration=duration).length()
+
+
+def baseline_is_beaten() -> bool:
+    """Whether tuned DFL has the smaller median late RMS than the linear flatness controller in every condition."""
+    table = batch.read(rivals.RESULTS / "tracking_rivals.csv")
+    medians = table.groupby(["condition", "method"])["late_rms"].median().unstack()
+    return bool((medians["DFL"] < medians["linear flatness"]).all())
+
+
+def _gain(name: str) -> float:
+    return float(getattr(GAINS, name))
+
+
+def _measure_of(robot: Robot, field: str) -> float:
+    return float(getattr(robot, field))
+
+
+_HARDWARE = "measured on the real robot; no log is printed"
+
+REPRODUCTIONS: tuple[Reproduction, ...] = (
+    Reproduction(
+        claim="thesis:c-5.3-tracking-len",
+        measure=lambda: simulation_run().length,
+        because="rounding of two decimals",
+        ours="start on the curve, integrator started at the curve's speed",
+    ),
+    Reproduction(
+        claim="thesis:c-5.3-tracking-time",
+        verdict="contradicts itself",
+        because="table 5.2 ends the reference at 126 s; the length printed beside it, 18.94 m, is that of the curve at "
+        "126.03 s; after 129 s the curve would be 19.59 m long, so 129 s is not the time of the motion (T63)",
+    ),
+    Reproduction(
+        claim="thesis:c-5.5-tracking-len",
+        measure=lambda: experiment_run().length,
+        tolerance=0.05,
+        because="the amplitude to two decimals: 0.005 m of it move the length of a lap by 0.047 m",
+        ours="amplitude 1.25 m over one lap of 125.66 s: the table's 2 m would give 18.86 m; odometry noise",
+    ),
+    Reproduction(
+        claim="thesis:c-5.5-tracking-time",
+        verdict="not testable",
+        because=_HARDWARE + "; the duration of the experiment's reference is not printed, and 126 s would exceed it",
+    ),
+    Reproduction(
+        claim="thesis:c-5.8-small",
+        measure=lambda: bool((simulation_run().rms < 0.02).all()),
+        because="root mean squares of x, y, theta below 0.02 m and 0.02 rad",
+    ),
+    Reproduction(
+        claim="thesis:c-5-baseline",
+        measure=baseline_is_beaten,
+        because="median error after 20 s in each of seven conditions, 200 seeds, equal tuning budget",
+        ours="the baseline: the same gains about the reference's motion; tuning, conditions and seeds",
+    ),
+    Reproduction(
+        claim="thesis:c-5.11-area",
+        verdict="not testable",
+        because=_HARDWARE + "; amplitude 2 m would touch all four borders of the 4 m square, 1.25 m fits",
+    ),
+    Reproduction(
+        claim="thesis:c-formula-7",
+        tolerance=0.0,
+        because="an integer",
+        measure=lambda: int(np.linalg.matrix_rank(tracking.controllability())),
+    ),
+    Reproduction(claim="thesis:c-5.2-dt", measure=lambda: float(np.diff(simulation_run().t)[0]), tolerance=1e-9),
+    Reproduction(claim="thesis:c-5.2-T", measure=lambda: SIMULATION.duration, tolerance=1e-9),
+    Reproduction(claim="thesis:c-5.2-a", measure=lambda: SIMULATION.amplitude, tolerance=1e-9),
+    Reproduction(
+        claim="thesis:c-5.2-vt",
+        verdict="contradicts itself",
+        because="eq 5.2 makes the speed vary: the curve needs 0.070 to 0.224 m/s, 0.150 m/s in the mean; 0.11 m/s is "
+        "the first speed of the curve with amplitude 1 m (T62)",
+    ),
+    *(
+        Reproduction(claim=f"thesis:c-5.2-{name}", measure=partial(_gain, name), tolerance=1e-9)
+        for name in ("kp1", "kp2", "kd1", "kd2")
+    ),
+    Reproduction(claim="thesis:c-5.2-kth", verdict="not testable", because="no printed formula holds k_th (T62)"),
+    *(
+        Reproduction(claim=f"thesis:c-5.4-{robot}-{name}", tolerance=1e-9, measure=partial(_measure_of, model, field))
+        for robot, model in (("TurtleBot2", TURTLEBOT2), ("Pioneer", PIONEER_3DX))
+        for name, field in (("weight", "mass"), ("max_speed", "max_vel_x"), ("rotation_speed", "max_vel_theta"))
+    ),
+    *(
+        Reproduction(
+            claim=f"thesis:c-5.4-{robot}-payload",
+            verdict="not testable",
+            because="a property of the machine that enters no model",
+        )
+        for robot in ("TurtleBot2", "Pioneer")
+    ),
+)
+
+STUDIES: tuple[Study, ...] = (
+    Study("tracking_gains", rivals.run_tuning),
+    Study("tracking_rivals", rivals.run_rivals),
+    Study("tracking_time", rivals.run_times),
+    Study("tracking_observers", rivals.run_observers),
+)

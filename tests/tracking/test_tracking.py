@@ -1,0 +1,678 @@
+"""Tracking laws: known answers, invariances, energies, limits, agreement between independent solutions, bad input."""
+
+import time
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from fuzzynav import simulate, tracking
+from fuzzynav.geometry import Array, compose, length, wrap
+from fuzzynav.robot.model import PIONEER_3DX, THESIS, TURTLEBOT2, limit, pose_rate, respects_limits
+from fuzzynav.tracking import curves, reference
+from fuzzynav.tracking.kernels import _limit, limits_of
+from fuzzynav.tracking.tracker import NO_RATES
+from fuzzynav.world.world import World
+
+EIGHT = reference.FigureEight()
+SHORT = reference.FigureEight(duration=30.0)
+ALL = (tracking.Dfl, tracking.Flatness, tracking.Kanayama, tracking.Pid, tracking.Lqr, tracking.Sliding, tracking.Mpc)
+COMPILED = ALL[:-1]
+ROUGH = tracking.Disturbance(
+    position_noise=0.01, heading_noise=0.02, slip=0.1, delay=0.2, right_radius=0.02, left_radius=-0.01, motor_lag=0.2
+)
+QUICK = replace(TURTLEBOT2, acc_lim_x=1e3, dec_lim_x=1e3, acc_lim_theta=1e3, max_vel_theta=1e2)  # no limit is met
+unit = st.floats(-1, 1, allow_subnormal=False)
+angle = st.floats(-3.1, 3.1, allow_subnormal=False)
+
+
+# --- the theory of feedback linearization --------------------------------------------------------
+
+
+def test_target_system_is_controllable_with_two_blocks() -> None:
+    matrix = tracking.controllability()
+    assert matrix.shape == (4, 4)
+    assert np.linalg.matrix_rank(matrix) == 4
+    assert np.all(np.linalg.matrix_power(tracking.CHAINS.a, 2) == 0)
+
+
+@settings(max_examples=50, deadline=None)
+@given(angle, st.floats(-2, 2).filter(lambda v: abs(v) > 1e-3), unit, unit)
+def test_decoupling_matrix_and_its_inverse(theta: float, v: float, u1: float, u2: float) -> None:
+    matrix = tracking.decoupling(theta, v)
+    assert np.linalg.det(matrix) == pytest.approx(v)
+    assert tracking.from_virtual([u1, u2], theta, v) == pytest.approx(np.linalg.solve(matrix, [u1, u2]), abs=1e-9)
+
+
+def test_the_decoupling_matrix_is_the_derivative_of_the_velocity() -> None:
+    theta, v, push, omega, h = 0.7, 0.3, 0.2, 0.5, 1e-6
+    after = (v + h * push) * np.array([np.cos(theta + h * omega), np.sin(theta + h * omega)])
+    before = (v - h * push) * np.array([np.cos(theta - h * omega), np.sin(theta - h * omega)])
+    assert tracking.decoupling(theta, v) @ [push, omega] == pytest.approx((after - before) / (2 * h), abs=1e-8)
+
+
+def test_rest_has_no_inverse() -> None:
+    with pytest.raises(ValueError, match="v = 0"):
+        tracking.from_virtual([0.0, 0.1], 0.0, 0.0)
+    assert np.isinf(tracking.yaw_rate_unguarded([0.0, 0.1], 0.0, 0.0))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(-4, -0.1), st.floats(-4, -0.1), st.floats(0.1, 4))
+def test_gains_from_poles_give_these_poles(a: float, b: float, swing: float) -> None:
+    for wanted in ([a, b], [a, a], [complex(a, swing), complex(a, -swing)]):
+        gains = tracking.gains_from_poles(wanted)
+        found = np.sort_complex(np.linalg.eigvals(tracking.closed_loop(gains)))
+        assert found == pytest.approx(np.sort_complex(np.repeat(wanted, 2)), abs=2e-3)
+        assert np.sort_complex(tracking.poles(gains)) == pytest.approx(found, abs=2e-3)
+
+
+def test_printed_gains_have_the_poles_known_for_them() -> None:
+    poles = tracking.poles(tracking.DflGains())
+    assert abs(poles[0]) == pytest.approx(1.0)
+    assert -poles[0].real / abs(poles[0]) == pytest.approx(0.35)
+
+
+@pytest.mark.parametrize("kp_kd", [(1.0, 0.7), (4.0, 3.0), (0.5, 0.2), (0.3, 2.0)])
+def test_largest_step_is_where_the_sampled_loop_loses_stability(kp_kd: tuple[float, float]) -> None:
+    kp, kd = kp_kd
+    edge = tracking.largest_step(tracking.DflGains(kp1=kp, kd1=kd, kp2=kp, kd2=kd))
+    for factor, stable in ((0.99, True), (1.01, False)):
+        radius = np.abs(np.linalg.eigvals(tracking.sampled_loop(kp, kd, factor * edge))).max()
+        assert (radius < 1.0) == stable
+
+
+def test_sampled_target_system_is_the_exact_one() -> None:
+    system = tracking.CHAINS.discrete(0.3)
+    x, u = np.array([1.0, -0.5, 2.0, 0.3]), np.array([0.4, -0.2])
+    solved = solve_ivp(lambda _, z: tracking.CHAINS.rates(z, u), (0.0, 0.3), x, rtol=1e-10, atol=1e-12)
+    assert system.a @ x + system.b @ u == pytest.approx(solved.y[:, -1], abs=1e-9)
+    assert system.output(x, u) == pytest.approx([1.0, 2.0])
+
+
+# --- the error dynamics, closed form against simulation ------------------------------------------
+
+
+def test_on_a_straight_line_the_error_follows_the_sampled_closed_form_exactly() -> None:
+    ref = reference.line((0.0, 0.0), 0.0, 0.3, 12.0)
+    trace = tracking.follow(tracking.Dfl(ref), [-0.05, 0.0, 0.0])
+    matrix = tracking.sampled_loop(1.0, 0.7, 0.1)
+    state = np.array([-0.05, 0.0])
+    for k in range(120):
+        assert -trace.errors[k, 0] == pytest.approx(state[0], abs=1e-12)
+        state = matrix @ state
+
+
+@pytest.mark.parametrize("ref", [SHORT, reference.circle(1.0, 0.3, 30.0)], ids=["eight", "circle"])
+def test_the_error_tends_to_the_closed_form_as_the_step_shrinks(ref: reference.Reference) -> None:
+    gains, start = tracking.DflGains(), compose(ref.sample(0.0).pose, [0.02, -0.03, 0.05])
+    gaps = []
+    for dt in (0.02, 0.01, 0.005):
+        law = tracking.Dfl(ref, gains, QUICK, dt)
+        trace = tracking.follow(law, start, duration=15.0)
+        z0 = tracking.flat_state(start, float(law.rows[0, 7]))
+        wanted, _ = tracking.reference_state(ref.sample(0.0))
+        exact = tracking.error_response(trace.t[::100], z0 - wanted, gains)
+        gaps.append(np.abs(-trace.errors[::100, :2] - exact[:, [0, 2]]).max())
+    assert gaps[-1] < 2e-4
+    assert gaps[0] / gaps[1] == pytest.approx(2.0, rel=0.15)
+    assert gaps[1] / gaps[2] == pytest.approx(2.0, rel=0.15)
+
+
+def test_printed_gains_converge_from_everywhere_near_the_start() -> None:
+    rng = np.random.default_rng(3)
+    law = tracking.Dfl(EIGHT)
+    for _ in range(200):
+        start = law.rows[0, [0, 1, 6]] + rng.uniform(-1, 1, 3) * [0.3, 0.3, np.pi]
+        trace = tracking.follow(law, start)
+        assert trace.after(40.0).max_distance < 0.005
+        assert np.abs(trace.commands[:, 1]).max() <= TURTLEBOT2.max_vel_theta
+        assert trace.commands[:, 0].min() >= 0.0
+
+
+# --- invariances ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_a_moved_scene_gives_the_same_commands(maker: type[tracking.Tracker]) -> None:
+    motion = np.array([2.0, -1.0, 2.2])
+    start = np.array([-0.1, 0.1, 0.3])
+    still = tracking.follow(maker(SHORT), start, duration=20.0)
+    moved = tracking.follow(maker(SHORT.moved(motion)), compose(motion, start), duration=20.0)
+    tolerance = 1e-3 if maker is tracking.Mpc else 1e-7
+    assert moved.commands == pytest.approx(still.commands, abs=tolerance)
+    assert np.abs(wrap(moved.poses - compose(motion, still.poses))).max() < tolerance
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_a_full_turn_more_changes_nothing(maker: type[tracking.Tracker]) -> None:
+    law = maker(SHORT)
+    for pose in ([0.1, -0.1, 3.0], [0.1, -0.1, -3.1], [0.2, 0.0, 0.4]):
+        plain, _ = law.step(law.start(), pose, law.row(1.0))
+        turned, _ = law.step(law.start(), np.array(pose) + [0.0, 0.0, 2.0 * np.pi], law.row(1.0))
+        assert turned == pytest.approx(plain, abs=1e-6)
+
+
+@pytest.mark.parametrize("maker", COMPILED, ids=lambda m: m.__name__)
+def test_a_mirrored_scene_gives_mirrored_commands(maker: type[tracking.Tracker]) -> None:
+    left = maker(reference.circle(1.0, 0.3, 20.0))
+    right = maker(reference.Along(curves.CircleCurve((0.0, 0.0), -1.0), curves.SpeedProfile([0, 20], [0.3, 0.3])))
+    a = tracking.follow(left, compose(left.rows[0, [0, 1, 6]], [0.05, 0.1, 0.2]))
+    b = tracking.follow(right, compose(right.rows[0, [0, 1, 6]], [0.05, -0.1, -0.2]))
+    assert b.commands * [1.0, -1.0] == pytest.approx(a.commands, abs=1e-9)
+
+
+# --- all laws ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_every_law_stays_on_an_exact_start_and_recovers_from_a_wrong_one(maker: type[tracking.Tracker]) -> None:
+    law = maker(SHORT)
+    bound = 0.15 if maker is tracking.Pid else 0.01  # PID alone has no feed-forward and starts from nothing
+    assert tracking.follow(law).max_distance < bound
+    wrong = tracking.follow(law, [-0.15, 0.15, 0.9])
+    assert wrong.distance[-1] < 0.05
+    assert wrong.status == "done"
+
+
+@pytest.mark.parametrize("robot", [TURTLEBOT2, PIONEER_3DX, THESIS], ids=lambda r: r.name)
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_limits_are_never_exceeded(maker: type[tracking.Tracker], robot: object) -> None:
+    law = maker(SHORT, robot=robot)
+    trace = tracking.follow(law, [-0.4, 0.4, 2.5], disturbance=ROUGH, rng=5, duration=10.0)
+    assert respects_limits(np.concatenate([law.rows[:1, 7:9], trace.commands]), law.dt, robot)
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_python_and_compiled_loop_are_the_same_run(maker: type[tracking.Tracker]) -> None:
+    law = maker(SHORT)
+    first = tracking.follow(law, [-0.1, 0.1, 0.3], disturbance=ROUGH, rng=7, duration=10.0)
+    second = tracking.follow(law, [-0.1, 0.1, 0.3], disturbance=ROUGH, rng=7, duration=10.0, compiled=False)
+    third = tracking.follow(law, [-0.1, 0.1, 0.3], disturbance=ROUGH, rng=8, duration=10.0)
+    assert np.array_equal(first.poses, second.poses)
+    assert np.array_equal(first.commands, second.commands)
+    assert not np.array_equal(first.poses, third.poses)
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_a_step_changes_nothing_it_was_given(maker: type[tracking.Tracker]) -> None:
+    law = maker(SHORT)
+    state, pose, row = law.start(), np.array([0.1, 0.0, 0.3]), law.row(2.0)
+    before = state.copy(), pose.copy(), row.copy()
+    first = law.step(state, pose, row)
+    second = law.step(state, pose, row)
+    assert all(np.array_equal(a, b) for a, b in zip(before, (state, pose, row), strict=True))
+    assert np.array_equal(first[0], second[0])
+    assert np.array_equal(first[1], second[1])
+
+
+@settings(max_examples=100)
+@given(unit, unit, st.floats(-0.3, 0.3), unit, unit, st.sampled_from([TURTLEBOT2, PIONEER_3DX, THESIS]))
+def test_the_kernels_limits_are_those_of_the_robot(
+    v: float, w: float, v0: float, w0: float, dt: float, robot: object
+) -> None:
+    step = 0.05 + abs(dt) / 5
+    wish = np.array([2.0 * v, 4.0 * w])
+    expected = limit(wish, [v0, w0], robot, step)
+    _limit(wish, np.array([v0, w0]), limits_of(robot), step)
+    assert wish == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("maker", [m for m in ALL if m is not tracking.Lqr], ids=lambda m: m.__name__)
+def test_a_reference_that_stops_and_reverses(maker: type[tracking.Tracker]) -> None:
+    profile = curves.SpeedProfile([0, 2, 6, 8, 11, 13, 17, 19], [0, 0.3, 0.3, 0, 0, -0.3, -0.3, 0])
+    ref = reference.Along(curves.CircleCurve((0.0, 0.0), 1.0), profile)
+    law = maker(ref)
+    trace = tracking.follow(law, compose(law.rows[0, [0, 1, 6]], [0.05, -0.05, 0.2]))
+    assert trace.distance[-1] < (0.2 if maker is tracking.Pid else 0.01)
+    assert np.abs(trace.commands[:, 1]).max() < 2.0
+    assert trace.commands[:, 0].min() < -0.25
+    if maker in (tracking.Dfl, tracking.Flatness):
+        assert (trace.commands[:, 0] * law.rows[1:, 7] >= -1e-12).all()  # never against the reference
+        standing = (trace.t[:-1] > 9.0) & (trace.t[:-1] < 10.9)
+        assert np.abs(trace.commands[standing]).max() < 1e-9
+
+
+def test_a_start_facing_backwards_turns_instead_of_driving_the_curve_backwards() -> None:
+    trace = tracking.follow(tracking.Dfl(EIGHT), [0.0, 0.0, np.arctan2(0.5, 1.0) + np.pi])
+    assert trace.commands[:, 0].min() >= 0.0
+    assert trace.after(30.0).max_distance < 0.01
+
+
+@pytest.mark.parametrize(
+    ("disturbance", "bound"),
+    [
+        (tracking.Disturbance(delay=0.2), 0.06),
+        (tracking.Disturbance(motor_lag=0.2), 0.03),
+        (tracking.Disturbance(slip=0.1), 0.05),
+        (tracking.Disturbance(right_radius=0.02, left_radius=-0.02), 0.05),
+        (tracking.Disturbance(position_noise=0.005, heading_noise=0.01), 0.05),
+    ],
+)
+def test_each_disturbance_acts_and_stays_bounded(disturbance: tracking.Disturbance, bound: float) -> None:
+    for maker in (tracking.Dfl, tracking.Kanayama, tracking.Sliding):
+        clean = tracking.follow(maker(EIGHT))
+        hit = tracking.follow(maker(EIGHT), disturbance=disturbance, rng=1)
+        assert clean.max_distance < hit.max_distance < bound
+
+
+def test_the_plant_is_the_exact_arc() -> None:
+    ref = reference.circle(1.0, 0.3, 2.0 * np.pi / 0.3, center=(0.0, 1.0))
+    law = tracking.Kanayama(ref, dt=2.0 * np.pi / 0.3 / 100)
+    trace = tracking.follow(law)
+    assert trace.poses[-1, :2] == pytest.approx(trace.poses[0, :2], abs=1e-9)
+    assert trace.length == pytest.approx(2.0 * np.pi, abs=1e-9)
+    assert length(trace.poses) < trace.length
+
+
+@pytest.mark.parametrize("maker", [m for m in ALL if m is not tracking.Lqr], ids=lambda m: m.__name__)
+def test_the_course_loop_gives_the_same_run(maker: type[tracking.Tracker]) -> None:
+    ref = reference.spline([[0, 0], [1, 0], [2, 1], [3, 1]], 0.3)  # from rest, as the course's loop starts
+    start = np.array([0.05, -0.05, 0.2])
+    whole = simulate.run(World(), TURTLEBOT2, maker(ref), start, [9.0, 9.0], dt=0.1, t_max=ref.duration)
+    ours = tracking.follow(maker(ref), start)
+    assert whole.status == "timeout"
+    assert whole.poses == pytest.approx(ours.poses, abs=1e-9)
+    assert whole.commands == pytest.approx(ours.commands, abs=1e-9)
+
+
+def test_a_lap_takes_well_under_fifty_milliseconds() -> None:
+    law = tracking.Dfl(EIGHT)
+    tracking.follow(law)
+    times = []
+    for _ in range(5):
+        begin = time.perf_counter()
+        tracking.follow(law)
+        times.append(time.perf_counter() - begin)
+    assert min(times) < 0.025
+
+
+HALT = curves.SpeedProfile([0, 2, 5, 7, 10], [0, 0.3, 0.3, 0, 0])
+STOPPING = reference.Along(curves.CircleCurve((0.0, 0.0), 1.0), HALT)
+GAINS = [
+    (tracking.Dfl, tracking.DflGains(v0=0.1)),
+    (tracking.Kanayama, tracking.KanayamaGains()),
+    (tracking.Pid, tracking.PidGains()),
+    (tracking.Sliding, tracking.SlidingGains()),
+]
+
+
+@pytest.mark.parametrize(
+    ("maker", "gains", "name"), [(m, g, f.name) for m, g in GAINS for f in fields(g) if f.name != "feed_forward"]
+)
+def test_no_gain_is_without_effect(maker: type[tracking.Tracker], gains: object, name: str) -> None:
+    other = replace(gains, **{name: 1.5 * getattr(gains, name)})
+    offset = compose(STOPPING.sample(0.0).pose, [-0.4, -0.3, 0.4])
+    runs = [tracking.follow(maker(STOPPING, g), offset).commands for g in (gains, other)]
+    runs += [tracking.follow(maker(STOPPING, g), disturbance=ROUGH, rng=1).commands for g in (gains, other)]
+    assert np.abs(runs[0] - runs[1]).max() > 1e-6 or np.abs(runs[2] - runs[3]).max() > 1e-6
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(tracking.Weights)])
+def test_no_weight_is_without_effect(name: str) -> None:
+    other = replace(tracking.Weights(), **{name: 1.5 * getattr(tracking.Weights(), name)})
+    start = [-0.1, 0.1, 0.2]
+    for make in (tracking.Lqr, lambda ref, w: tracking.Mpc(ref, tracking.MpcParams(weights=w))):
+        runs = [tracking.follow(make(SHORT, w), start, duration=5.0).poses for w in (tracking.Weights(), other)]
+        assert np.abs(runs[0] - runs[1]).max() > 1e-5
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(tracking.Disturbance)])
+def test_no_disturbance_is_without_effect(name: str) -> None:
+    hit = tracking.follow(tracking.Dfl(SHORT), disturbance=tracking.Disturbance(**{name: getattr(ROUGH, name)}))
+    assert np.abs(hit.poses - tracking.follow(tracking.Dfl(SHORT)).poses).max() > 1e-4
+
+
+# --- Kanayama, PID, sliding mode -----------------------------------------------------------------
+
+
+@given(unit, unit, angle, st.floats(-1, 1), unit)
+def test_tracking_error_turns_as_its_rate_says(x: float, y: float, theta: float, v_r: float, omega_r: float) -> None:
+    pose, wanted, u, h = np.array([x, y, theta]), np.array([0.2, -0.1, 0.4]), np.array([0.3, -0.2]), 1e-6
+    ahead = [p + h * pose_rate(p, c) for p, c in ((pose, u), (wanted, [v_r, omega_r]))]
+    behind = [p - h * pose_rate(p, c) for p, c in ((pose, u), (wanted, [v_r, omega_r]))]
+    slope = wrap(tracking.tracking_error(*ahead) - tracking.tracking_error(*behind)) / (2 * h)
+    error = tracking.tracking_error(pose, wanted)
+    assert slope == pytest.approx(tracking.error_rate(error, u, [v_r, omega_r]), abs=1e-5)
+
+
+@given(unit, unit, angle, st.floats(-1, 1), unit, st.floats(0.1, 3), st.floats(0.1, 20), st.floats(0.1, 3))
+def test_energy_of_the_law_of_eq_5_10_falls_as_its_formula_says(
+    x: float, y: float, theta: float, v_r: float, omega_r: float, k1: float, k2: float, k3: float
+) -> None:
+    gains, error, h = tracking.KanayamaGains(k1=k1, k2=k2, k3=k3), np.array([x, y, theta]), 1e-6
+    command = tracking.kanayama(error, [v_r, omega_r], gains)
+    rate = tracking.error_rate(error, command, [v_r, omega_r])
+    change = tracking.kanayama_energy(error + h * rate, gains) - tracking.kanayama_energy(error - h * rate, gains)
+    expected = tracking.kanayama_energy_rate(error, gains)
+    assert change / (2 * h) == pytest.approx(float(expected), abs=1e-4 * (1 + k1 + k2 + k3 / k2) ** 2)
+    assert expected <= 0.0
+
+
+def test_energy_never_grows_in_a_run() -> None:
+    law = tracking.Kanayama(EIGHT, robot=QUICK, dt=0.01)
+    trace = tracking.follow(law, [-0.2, 0.3, 1.5])
+    energy = tracking.kanayama_energy(tracking.tracking_error(trace.poses, trace.wanted), law.gains)
+    assert np.diff(energy[energy > 1e-5]).max() < 1e-7
+    assert energy[-1] < 1e-4 * energy[0]
+
+
+def test_the_law_of_eq_5_10_does_not_stabilise_a_pose() -> None:
+    assert np.array_equal(tracking.kanayama([0.0, 1.0, 0.0], [0.0, 0.0], tracking.KanayamaGains()), [0.0, 0.0])
+
+
+@given(unit, unit, st.floats(-1.2, 1.2), st.floats(0.05, 0.6), st.floats(-0.5, 0.5), st.sampled_from([-1.0, 1.0]))
+def test_sliding_law_reaches_its_surfaces_at_the_stated_rate(
+    x: float, y: float, theta: float, v: float, omega: float, sense: float
+) -> None:
+    gains, error, wanted, h = tracking.SlidingGains(), np.array([x, y, theta]), np.array([sense * v, omega]), 1e-7
+    slope = sense * gains.c / (1.0 + (gains.c * y) ** 2)
+    if 1.0 + slope * x < 0.25:
+        return  # the divisor is held there
+    rate = tracking.error_rate(error, tracking.sliding(error, wanted, gains), wanted)
+    ahead, behind = (tracking.sliding_surfaces(error + k * rate, wanted[0], gains) for k in (h, -h))
+    s = tracking.sliding_surfaces(error, wanted[0], gains)
+    reach = [gains.k1 * np.clip(s[0] / gains.phi1, -1, 1), gains.k2 * np.clip(s[1] / gains.phi2, -1, 1)]
+    assert (ahead - behind) / (2 * h) == pytest.approx(-np.array(reach), abs=1e-4)
+
+
+def test_sliding_surfaces_fall_and_then_the_error_does() -> None:
+    law = tracking.Sliding(EIGHT, dt=0.01)
+    trace = tracking.follow(law, [-0.3, 0.3, 1.0], duration=60.0)
+    error = tracking.tracking_error(trace.poses, trace.wanted)
+    energy = tracking.sliding_energy(tracking.sliding_surfaces(error, EIGHT.sample(trace.t).v, law.gains))
+    assert energy[400] < 1e-4 * energy[0]
+    assert trace.distance[-1] < 1e-3
+
+
+def test_printed_sliding_surfaces_hold_the_inputs_they_should_give() -> None:
+    error, wanted = np.array([0.1, 0.2, 0.3]), np.array([0.3, 0.0])
+    rates = [tracking.error_rate(error, u, wanted) for u in ([0.0, 0.0], [1.0, 0.0], [0.0, 1.0])]
+    s = [tracking.sliding_surfaces_as_printed(error, rate, [1.0, 1.0, 1.0]) for rate in rates]
+    assert s[1] - s[0] == pytest.approx([-1.0, 0.0, 0.0])
+    assert s[2] - s[0] == pytest.approx([0.2, -0.1, -1.0])  # ds2/domega = -e1: nothing on the path
+
+
+@settings(max_examples=40, deadline=None)
+@given(unit, unit, angle, st.floats(0.0, 0.6), st.floats(-1, 1))
+def test_kernels_give_what_the_plain_formulas_give(x: float, y: float, theta: float, v: float, omega: float) -> None:
+    row = np.array([0.0, 0.0, v, 0.0, 0.0, 0.0, 0.0, v, omega])
+    error = tracking.tracking_error([x, y, theta], [0.0, 0.0, 0.0])
+    wide = replace(TURTLEBOT2, max_vel_x=1e3, min_vel_x=-1e3, max_vel_theta=1e4)
+    line = reference.line((0.0, 0.0), 0.0, 0.3, 1.0)
+    for law, plain in (
+        (tracking.Kanayama(line, robot=wide), tracking.kanayama),
+        (tracking.Sliding(line, robot=wide), tracking.sliding),
+    ):
+        command, _ = law.step(law.start(), [x, y, theta], row)
+        assert command == pytest.approx(plain(error, [v, omega], law.gains), abs=1e-9)
+
+
+def test_pid_kernel_gives_what_the_plain_formula_gives() -> None:
+    gains = tracking.PidGains(kp_v=1.0, ki_v=0.4, kd_v=0.1, kp_omega=2.0, ki_omega=0.3, kd_omega=0.2, k_y=1.5)
+    law = tracking.Pid(SHORT, gains)
+    state, sums, last = law.start(), np.zeros(2), None
+    for k in range(20):
+        pose, row = np.array([0.02 * k - 0.1, 0.01 * k, 0.4]), law.rows[k]
+        command, state = law.step(state, pose, row)
+        e = tracking.tracking_error(pose, row[[0, 1, 6]])
+        now = np.array([e[0], e[2] + 1.5 * e[1]])
+        sums += 0.1 * now
+        before = now if last is None else last
+        expected = [
+            tracking.pid(now[0], sums[0], before[0], (1.0, 0.4, 0.1), 0.1),
+            tracking.pid(now[1], sums[1], before[1], (2.0, 0.3, 0.2), 0.1),
+        ]
+        assert command == pytest.approx(expected)
+        last = now
+
+
+def test_a_pid_integral_stops_at_the_limit() -> None:
+    law = tracking.Pid(SHORT)
+    state = law.start()
+    for _ in range(300):
+        command, state = law.step(state, [-5.0, 0.0, 0.46], law.rows[0])
+    assert command[0] == TURTLEBOT2.max_vel_x
+    assert abs(state[0]) < 1.0
+
+
+def test_feed_forward_removes_what_pid_alone_cannot() -> None:
+    plain = tracking.follow(tracking.Pid(EIGHT))
+    fed = tracking.follow(tracking.Pid(EIGHT, tracking.PidGains(feed_forward=True)))
+    assert fed.rms_distance < 0.2 * plain.rms_distance
+
+
+# --- LQR and MPC ---------------------------------------------------------------------------------
+
+
+def test_lqr_gain_solves_riccati_and_stabilises() -> None:
+    weights = tracking.Weights()
+    a, b = tracking.error_model(0.2, 0.3)
+    p, gain = tracking.riccati(a, b, weights), tracking.lqr_gain(0.2, 0.3, weights)
+    rest = a.T @ p + p @ a - p @ b @ np.linalg.inv(weights.r) @ b.T @ p + weights.q
+    assert np.abs(rest).max() < 1e-9
+    assert np.linalg.eigvals(a - b @ gain).real.max() < 0.0
+
+
+@settings(max_examples=25, deadline=None)
+@given(unit, unit, unit, unit, unit)
+def test_bellman_residual_is_zero_at_the_optimum_and_nowhere_below(
+    x: float, y: float, theta: float, dv: float, dw: float
+) -> None:
+    weights, state = tracking.Weights(), np.array([x, y, theta])
+    best = -tracking.lqr_gain(0.2, 0.1, weights) @ state
+    assert tracking.bellman_residual(state, best, 0.2, 0.1, weights) == pytest.approx(0.0, abs=1e-8)
+    assert tracking.bellman_residual(state, best + [dv, dw], 0.2, 0.1, weights) >= -1e-8
+
+
+def test_lqr_cost_of_the_optimal_run_is_the_cost_to_go() -> None:
+    weights, x, dt = tracking.Weights(), np.array([0.1, 0.2, -0.1]), 0.001
+    a, b = tracking.error_model(0.2, 0.0)
+    gain = tracking.lqr_gain(0.2, 0.0, weights)
+    step = expm((a - b @ gain) * dt)
+    states = [x]
+    for _ in range(40000):
+        states.append(step @ states[-1])
+    errors = np.array(states)
+    cost = tracking.lqr_cost(errors, -errors @ gain.T, weights, dt)
+    assert cost == pytest.approx(x @ tracking.riccati(a, b, weights) @ x, rel=2e-3)
+
+
+def test_the_robot_at_rest_is_not_controllable() -> None:
+    with pytest.raises(ValueError, match="rank 2 of 3"):
+        tracking.lqr_gain(0.0, 0.0, tracking.Weights())
+    stops = reference.spline([[0, 0], [1, 0], [2, 1]], 0.3)
+    with pytest.raises(ValueError, match=r"keeps moving.*not controllable"):
+        tracking.Lqr(stops)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-0.6, 0.6), st.floats(-1, 1))
+def test_sampled_model_is_the_matrix_exponential(v: float, omega: float) -> None:
+    a, b = tracking.error_model(v, omega)
+    block = np.zeros((5, 5))
+    block[:3, :3], block[:3, 3:] = a, b
+    power = expm(block * 0.1)
+    sampled = tracking.sampled_model(v, omega, 0.1)
+    assert sampled[0] == pytest.approx(power[:3, :3], abs=1e-8)
+    assert sampled[1] == pytest.approx(power[:3, 3:], abs=1e-8)
+
+
+def test_lqr_and_mpc_agree_where_no_limit_is_active() -> None:
+    ref = reference.line((0.0, 0.0), 0.4, 0.25, 20.0)
+    mpc = tracking.Mpc(ref, tracking.MpcParams(tolerance=1e-8, iterations=20000))
+    gain = tracking.lqr_gain(0.25, 0.0, tracking.Weights(), dt=0.1)
+    for offset in ([0.01, 0.0, 0.0], [0.0, 0.01, 0.0], [0.005, -0.01, 0.02]):
+        pose = compose(mpc.rows[10, [0, 1, 6]], offset)
+        command, _ = mpc.step(mpc.start(), pose, mpc.row(1.0))
+        assert command == pytest.approx([0.25, 0.0] - gain @ offset, abs=1e-5)
+
+    fine = tracking.Mpc(ref, tracking.MpcParams(tolerance=1e-8, iterations=20000), dt=0.01)
+    lqr = tracking.Lqr(ref, dt=0.01)
+    pose = compose(lqr.row(1.0)[[0, 1, 6]], [0.005, -0.01, 0.02])
+    predicted, continuous = (law.step(law.start(), pose, law.row(1.0))[0] for law in (fine, lqr))
+    assert continuous - [0.25, 0.0] == pytest.approx(predicted - [0.25, 0.0], rel=0.03)
+
+
+def test_mpc_answer_is_the_best_of_its_own_cost() -> None:
+    ref, weights = reference.circle(1.0, 0.3, 20.0), tracking.Weights()
+    mpc = tracking.Mpc(ref, tracking.MpcParams(tolerance=1e-8, iterations=20000, horizon=6))
+    pose = compose(mpc.rows[0, [0, 1, 6]], [0.02, -0.02, 0.05])
+    _, state = mpc.step(mpc.start(), pose, mpc.row(0.0))
+    changes = state[3 + 18 : 3 + 30].reshape(6, 2)
+    a, b = tracking.sampled_model(0.3, 0.3, 0.1)
+    end = mpc._terminal() - weights.q
+
+    def cost(du: Array) -> float:
+        errors, e = [], np.array([0.02, -0.02, 0.05])
+        for u in du:
+            e = a @ e + b @ u
+            errors.append(e)
+        return tracking.mpc_cost(errors, du, weights) + float(e @ end @ e)
+
+    best, rng = cost(changes), np.random.default_rng(0)
+    assert all(cost(changes + 1e-3 * rng.standard_normal((6, 2))) > best for _ in range(100))
+
+
+def test_mpc_keeps_limits_that_the_wish_would_break_and_names_what_cannot_be() -> None:
+    slow = replace(TURTLEBOT2, max_vel_x=0.15, acc_lim_x=0.1, dec_lim_x=0.1)
+    law = tracking.Mpc(reference.circle(2.0, 0.2, 20.0), robot=slow)
+    trace = tracking.follow(law, duration=5.0)  # the reference is faster than the robot may be
+    assert trace.commands[10:, 0].max() <= 0.15 + 1e-6
+    state = law.start()
+    state[:3] = [0.6, 0.0, 1.0]  # far above its limit: it cannot be inside after one step
+    command, _ = law.step(state, [0.0, 0.0, 0.0], law.row(0.0))
+    assert law.outcome == "infeasible"
+    assert command == pytest.approx([0.59, 0.0])
+    law.reset()
+    assert law.outcome == "solved"
+
+
+def test_mpc_warm_start_saves_iterations_and_reset_forgets_it() -> None:
+    law = tracking.Mpc(SHORT)
+    first = tracking.follow(law, [-0.1, 0.1, 0.3], duration=5.0)
+    again = tracking.follow(law, [-0.1, 0.1, 0.3], duration=5.0)
+    assert np.array_equal(first.commands, again.commands)
+    counts = []
+    solve = law._problem.solver.solve
+    law._problem.solver.solve = lambda **k: (answer := solve(**k), counts.append(answer.info.iter))[0]
+    state, pose = law.start(), law.rows[0, [0, 1, 6]] + [0.02, 0.0, 0.0]
+    _, warm = law.step(state, pose, law.row(0.0))
+    law.step(warm, pose, law.row(0.0))
+    assert counts[1] < counts[0]
+
+
+# --- observers -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "observer", [tracking.Differences(), tracking.Luenberger(), tracking.Kalman()], ids=lambda o: type(o).__name__
+)
+def test_observers_find_the_velocity_of_a_clean_run(observer: tracking.Observer) -> None:
+    trace = tracking.follow(tracking.Dfl(EIGHT, observer=observer), [0.1, -0.1, 0.3])
+    assert trace.after(30.0).max_distance < 0.005
+    again = tracking.follow(tracking.Dfl(EIGHT, observer=observer), [0.1, -0.1, 0.3])
+    assert np.array_equal(trace.poses, again.poses)
+
+
+@pytest.mark.parametrize("noise", [0.005, 0.02])
+def test_models_beat_differences_under_noise(noise: float) -> None:
+    def errors(observer: tracking.Observer) -> float:
+        rng, t = np.random.default_rng(2), np.arange(600) * 0.1
+        sample = EIGHT.sample(t)
+        observer.reset()
+        found = []
+        for position, velocity, push in zip(sample.position, sample.velocity, sample.acceleration, strict=True):
+            found.append(observer.update(position + noise * rng.standard_normal(2), velocity)[[1, 3]])
+            observer.push(push)
+        return float(np.sqrt(((np.array(found) - sample.velocity)[100:] ** 2).mean()))
+
+    plain, fixed, kalman = (
+        errors(o) for o in (tracking.Differences(), tracking.Luenberger(), tracking.Kalman(position_noise=noise))
+    )
+    assert plain == pytest.approx(np.sqrt(2.0) * noise / 0.1, rel=0.1)
+    assert fixed < 0.35 * plain
+    assert kalman < 0.35 * plain
+
+
+def test_luenberger_gain_places_the_poles() -> None:
+    gain = tracking.luenberger_gain((-3.0, -5.0), 0.1)
+    step, seen = np.array([[1.0, 0.1], [0.0, 1.0]]), np.array([[1.0, 0.0]])
+    poles = np.linalg.eigvals(step - np.outer(gain, seen @ step))
+    assert np.sort(poles.real) == pytest.approx(np.exp([-0.5, -0.3]), abs=1e-9)
+
+
+# --- bad input -----------------------------------------------------------------------------------
+
+
+class Jump(reference.Reference):
+    """A line that jumps sideways half way."""
+
+    duration = 10.0
+
+    def flat(self, t: object) -> Array:
+        times = np.asarray(t, dtype=float)
+        y = np.where(times > 5.0, 1.0, 0.0)
+        zero = np.zeros_like(times)
+        columns = [(0.2 * times, y), (zero + 0.2, zero), (zero, zero), (zero, zero)]
+        return np.stack([np.stack(pair, axis=-1) for pair in columns], axis=-2)
+
+
+class Still(reference.FigureEight):
+    """A reference that never moves."""
+
+    def flat(self, t: object) -> Array:
+        return 0.0 * super().flat(t)
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: tracking.DflGains(v0=0.0), "v0 must be positive"),
+        (lambda: tracking.DflGains(v0=-0.1), "backwards"),
+        (lambda: tracking.DflGains(kp1=0.0), "kp1 must be positive"),
+        (lambda: tracking.DflGains(kd2=-1.0), "kd2 must be positive"),
+        (lambda: tracking.KanayamaGains(k2=np.nan), "k2 must be positive"),
+        (lambda: tracking.PidGains(ki_v=-0.1), "ki_v must be finite and not negative"),
+        (lambda: tracking.SlidingGains(phi1=0.0), "phi1 must be positive"),
+        (lambda: tracking.Weights(omega=0.0), "weights must be positive"),
+        (lambda: tracking.MpcParams(horizon=0), "horizon"),
+        (lambda: tracking.Disturbance(slip=1.0), "below 1"),
+        (lambda: tracking.Disturbance(delay=-0.1), "delay"),
+        (lambda: tracking.Dfl(EIGHT, dt=0.0), "dt must be positive"),
+        (lambda: tracking.Mpc(EIGHT, dt=-0.1), "dt must be positive"),
+        (lambda: tracking.Dfl(EIGHT, dt=1.5), "too large for these gains: the sampled loop is stable below 1.42 s"),
+        (lambda: tracking.Kanayama(Jump()), "jumps by 1 m at t = 5 s"),
+        (lambda: tracking.Sliding(Still()), "zero speed|not finite"),
+        (lambda: tracking.gains_from_poles([1.0, -1.0]), "left half-plane"),
+        (lambda: tracking.luenberger_gain((-1.0, 1.0), 0.1), "negative"),
+        (lambda: tracking.Kalman(position_noise=0.0), "positive"),
+        (lambda: tracking.follow(tracking.Dfl(EIGHT), [0.0, np.nan, 0.0]), "finite pose"),
+        (lambda: tracking.follow(tracking.Dfl(EIGHT), duration=0.0), "at least one step"),
+    ],
+)
+def test_bad_input_says_what_is_wrong(make: object, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        make()  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("maker", ALL, ids=lambda m: m.__name__)
+def test_a_pose_that_is_not_finite_is_refused_and_the_end_is_rest(maker: type[tracking.Tracker]) -> None:
+    law = maker(SHORT)
+    with pytest.raises(ValueError, match="not finite"):
+        law(tracking.seen(0.0, np.array([0.0, np.nan, 0.0]), np.zeros(2)))
+    after = law(tracking.seen(SHORT.duration + 0.1, np.zeros(3), np.zeros(2)))
+    assert np.array_equal(after, [0.0, 0.0])
+
+
+def test_a_time_off_the_grid_reads_the_reference_itself() -> None:
+    law = tracking.Dfl(SHORT)
+    assert law.row(1.234) == pytest.approx(SHORT.rows(np.array([1.234]))[0])
+    ahead = tracking.Mpc(SHORT).row(29.95)
+    assert ahead.shape == (15, 9)
+    assert np.abs(ahead[2:, 7]).max() == 0.0
+    assert NO_RATES.shape == (2,)
