@@ -11,7 +11,7 @@ from fuzzynav.plot.base import draw_path, draw_robot
 from fuzzynav.plot.blit import Blit
 from fuzzynav.plot.dwa import arc_mark, draw_run, draw_window
 from fuzzynav.robot import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = ["save_cover"]
 

@@ -26,7 +26,7 @@ from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, draw_discs, draw_goal, draw_grid, draw_path, draw_robot, metric_axes
 from fuzzynav.robot import Robot
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "ArcMark",

@@ -18,7 +18,7 @@ from fuzzynav.robot import Robot, body_from_rims
 
 if TYPE_CHECKING:
     from fuzzynav.maps.gridmap import GridMap
-    from fuzzynav.world.world import World
+    from fuzzynav.world import World
 
 __all__ = [
     "SPEED_OF_LIGHT",

@@ -13,7 +13,7 @@ from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.robot import Robot, limit, motor_lag, move
 from fuzzynav.simulate.record import STATUSES, Run
-from fuzzynav.world.world import World, movers_start, movers_step
+from fuzzynav.world import World, movers_start, movers_step
 
 __all__ = ["IDEAL", "STATUSES", "Loop", "Playback", "Run", "Sensing", "run", "stands_free"]
 

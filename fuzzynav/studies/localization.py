@@ -34,7 +34,7 @@ from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import move
 from fuzzynav.sensors.cameras import Camera
 from fuzzynav.sensors.scene import Laser, Scan, dead_reckon, laser_scan
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "BEACONS",

@@ -16,7 +16,7 @@ from fuzzynav.robot import TURTLEBOT2, respects_limits
 from fuzzynav.studies.blend.blocks import block_of
 from fuzzynav.tracking.reference import FigureEight
 from fuzzynav.tracking.tracker import seen
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 EIGHT = FigureEight(duration=blend.LAP)
 HALF = FigureEight(duration=blend.LAP / 2.0)

@@ -11,7 +11,7 @@ from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.plot.labs.dwa import retuned
 from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa import claims, comparison
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 YARD = World(
     discs=[[3.0, 2.6, 0.5]],

@@ -11,7 +11,7 @@ from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.robot import THESIS
 from fuzzynav.simulate.loop import Sensing
 from fuzzynav.studies.dwa import claims, comparison, safety, tuning
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 
 def recompute(name: str, share: float = 0.01) -> list[str]:

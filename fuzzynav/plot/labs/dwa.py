@@ -20,7 +20,7 @@ from fuzzynav.plot.blit import Setup, Update
 from fuzzynav.plot.dwa import arc_mark, draw_world, window_mark
 from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "retuned", "run_player", "weights_lab"]
 

@@ -20,7 +20,7 @@ from fuzzynav.data import folder
 from fuzzynav.geometry import Array
 from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.reference import FigureEight
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 __all__ = [
     "BLOCK_CASES",

@@ -25,7 +25,7 @@ from fuzzynav.simulate.record import Run
 from fuzzynav.studies.dwa import comparison, safety, tuning
 from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, RESULTS, START, TIME_LIMIT, random_map
 from fuzzynav.studies.reproduction import Reproduction, Study
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "AS_THESIS",

@@ -21,7 +21,7 @@ from fuzzynav.dwa.steps import CHAPTER_3, CHAPTER_4, Params
 from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "CASES",

@@ -19,7 +19,7 @@ from fuzzynav.dwa.steps import Params
 from fuzzynav.geometry import Array
 from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "NOISE",
