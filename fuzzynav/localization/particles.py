@@ -16,7 +16,7 @@ from fuzzynav.geometry import Array, wrap
 from fuzzynav.localization.kalman import Belief, MotionNoise, sample_motions
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import move
-from fuzzynav.sensors.scene import Scan
+from fuzzynav.sensors import Scan
 
 __all__ = [
     "LikelihoodField",
