@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.maps.kernels import Bytes, Cells, Mask, _nearest, _ray
+from fuzzynav.maps.kernels import Bytes, Cells, Mask, distance_at, ray_length
 
 __all__: list[str] = []
 
@@ -42,7 +42,7 @@ def _clearance(
             best = min(best, np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0))
         if mask.shape[0] > 0 and best > 0.0:
             best = min(
-                best, frame[0] * _nearest(mask, field, (x - frame[1]) / frame[0], (y - frame[2]) / frame[0], False)
+                best, frame[0] * distance_at(mask, field, (x - frame[1]) / frame[0], (y - frame[2]) / frame[0], False)
             )
         out[n] = best
     return out
@@ -180,7 +180,7 @@ def _scan(
             t = _to_wall(bounds, x, y, beams[1, n], beams[2, n])
             if mask.shape[0] > 0 and t > 0.0:
                 reach = min(t, out[m, n]) / frame[0]
-                t = min(t, frame[0] * _ray(mask, skip, px, py, beams[1, n], beams[2, n], reach, False))
+                t = min(t, frame[0] * ray_length(mask, skip, px, py, beams[1, n], beams[2, n], reach, False))
             if t < out[m, n]:
                 out[m, n], labels[m, n] = t, -1
     return out, labels
