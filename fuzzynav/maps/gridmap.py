@@ -12,11 +12,31 @@ from fuzzynav.geometry import Array, read_only, sealed
 from fuzzynav.maps import files as mapfiles
 from fuzzynav.maps import kernels
 
-__all__ = ["CORNER_RULES", "GridMap"]
+__all__ = ["CORNER_RULES", "GridMap", "cells_across"]
 
+MAX_CELLS = 25_000_000  # of a map that is read from a file or cut finer
 _FARTHEST = 2.0**62  # [cells] further off no cell is counted
 CORNER_RULES = ("strict", "permissive")
 _NO_SKIP = read_only(np.empty((0, 0)), np.uint8)
+
+
+def cells_across(height: float, width: float, resolution: float, limit: int = MAX_CELLS) -> tuple[int, int]:
+    """Rows and columns of cells of side `resolution` [m] that cover a rectangle [m]; a sliver of 1e-9 is no cell.
+
+    Raises ValueError for a resolution that is not positive, and for more cells than `limit`.
+
+    >>> cells_across(1.0, 2.1, 0.5)
+    (2, 5)
+    """
+    if not (np.isfinite(resolution) and resolution > 0):
+        raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
+    rows, cols = (max(np.ceil(side / resolution - 1e-9), 1.0) for side in (float(height), float(width)))
+    if not rows * cols <= limit:
+        raise ValueError(
+            f"{rows:.6g} x {cols:.6g} cells of {resolution} m are too many, at most {limit} are made: "
+            "take larger cells, or see whether a pose or a range is far off"
+        )
+    return int(rows), int(cols)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
