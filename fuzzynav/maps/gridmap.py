@@ -219,7 +219,7 @@ class GridMap:
         _check_rule(corners)
         (ax, ay), (bx, by) = self._cells_float(a), self._cells_float(b)
         if not max(abs(bx - ax), abs(by - ay)) <= 1e6:
-            raise ValueError(f"the line from {a} to {b} is longer than a million cells of {self.resolution} m")
+            raise ValueError(f"the line from {a!r} to {b!r} is longer than a million cells of {self.resolution} m")
         cells = kernels.crossed_cells(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
         return cells[np.argsort(cells @ [bx - ax, by - ay], kind="stable")]
 

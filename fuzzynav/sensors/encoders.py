@@ -9,7 +9,7 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav import checks
-from fuzzynav.geometry import Array
+from fuzzynav.geometry import Array, wrap
 from fuzzynav.robot import Robot, body_from_rims, kernels
 
 __all__ = [
@@ -153,6 +153,7 @@ def dead_reckon(start: ArrayLike, motions: ArrayLike) -> Array:
     """
     moved = np.asarray(motions, dtype=float).reshape(-1, 2)
     poses = np.empty((len(moved) + 1, 3))
-    poses[0] = checks.pose(start, "the start")
+    poses[0] = checks.pose(start, "the start pose")
+    poses[0, 2] = wrap(poses[0, 2])
     kernels.chain(poses, moved)
     return poses
