@@ -24,7 +24,7 @@ from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.fuzzy.compiled import Tables, tables
 from fuzzynav.fuzzy.engine import run as _infer
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
+from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
 from fuzzynav.world.kernels import _clearance, _scan
 from fuzzynav.world.world import World

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.localization.kalman import Belief, MotionNoise, sample_motions
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import move
+from fuzzynav.robot import move
 from fuzzynav.sensors.scene import Scan
 
 __all__ = [

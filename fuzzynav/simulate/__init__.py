@@ -3,7 +3,6 @@
 from fuzzynav.simulate.loop import (
     IDEAL,
     STATUSES,
-    Controller,
     Loop,
     Playback,
     Run,
@@ -13,7 +12,6 @@ from fuzzynav.simulate.loop import (
 )
 
 __all__ = [
-    "Controller",
     "IDEAL",
     "Loop",
     "Playback",

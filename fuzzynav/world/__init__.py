@@ -3,7 +3,6 @@
 from fuzzynav.world.world import (
     Mover,
     MoverState,
-    Observation,
     World,
     movers_start,
     movers_step,
@@ -12,7 +11,6 @@ from fuzzynav.world.world import (
 __all__ = [
     "Mover",
     "MoverState",
-    "Observation",
     "World",
     "movers_start",
     "movers_step",

@@ -14,31 +14,13 @@ from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.world import kernels
 
-__all__ = ["Mover", "MoverState", "Observation", "World", "movers_start", "movers_step"]
+__all__ = ["Mover", "MoverState", "World", "movers_start", "movers_step"]
 
 MOTIONS = ("constant", "patrol", "wander")
 _Static = tuple[kernels.Mask, Array, Array, Array, Array, Array]
 _Parameters = tuple[kernels.Cells, Array, Array, Array, Array, kernels.Cells, Array]
 _NO_MASK, _NO_FIELD = np.zeros((0, 0), dtype=np.bool_), np.zeros((0, 0))
 _NO_SKIP = np.zeros((0, 0), dtype=np.uint8)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Observation:
-    """What a controller is told at one moment.
-
-    points are sensed obstacle points in the world frame as believed; the scan fields are there where a scan was made.
-    """
-
-    time: float  # [s]
-    pose: Array  # (3,) x [m], y [m], theta [rad], as believed
-    velocity: Array  # (2,) v [m/s], omega [rad/s], as measured
-    goal: Array  # (2,) [m]
-    points: Array  # (n, 2) [m]
-    point_velocities: Array | None = None  # (n, 2) [m/s]
-    ranges: Array | None = None  # (k,) [m]
-    angles: Array | None = None  # (k,) [rad], body frame
-    range_max: float = np.inf  # [m]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

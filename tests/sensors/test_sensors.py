@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from fuzzynav import sensors as s
 from fuzzynav.geometry import length, to_body, to_world
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import TURTLEBOT2, move
+from fuzzynav.robot import TURTLEBOT2, move
 from fuzzynav.sensors import cameras as cam
 from fuzzynav.world.world import Mover, World
 
