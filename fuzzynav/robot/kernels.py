@@ -12,7 +12,7 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 
-__all__ = ["LIMITS", "arc", "arcs", "clip", "euler", "limit", "limits", "reach", "reaches", "wrap"]
+__all__ = ["LIMITS", "PLANT", "arc", "arcs", "clip", "drive", "euler", "limit", "limits", "reach", "reaches", "wrap"]
 
 LIMITS = np.dtype(
     (
@@ -25,6 +25,20 @@ LIMITS = np.dtype(
             ("loss", "f8"),  # [m/s^2] braking
             ("spin", "f8"),  # [rad/s^2] of the turn
             ("radius", "f8"),  # [m]
+        ],
+    )
+)
+
+
+PLANT = np.dtype(
+    (
+        np.record,
+        [
+            ("wheel_radius", "f8"),  # [m] as the robot believes it
+            ("track", "f8"),  # [m]
+            ("lag", "f8"),  # [s] time constant of the motors
+            ("right", "f8"),  # relative error of the true radius of the right wheel
+            ("left", "f8"),
         ],
     )
 )
@@ -102,8 +116,37 @@ def limits(wishes: Array, last: Array, robot: Any, dt: float) -> None:
         wishes[i, 0], wishes[i, 1] = limit(wishes[i, 0], wishes[i, 1], last[i, 0], last[i, 1], robot[0], dt)
 
 
+@njit(cache=True)
+def drive(
+    pose: Array, wheels: Array, command: Array, slip: Array, plant: Any, dt: float, by_euler: bool, driven: Array
+) -> None:
+    """One step of the true robot: motors that lag, wheels that slip or have the wrong radius, then the exact arc.
+
+    Changes pose (3,), the rates of the wheels `(2,)` [rad/s] (right, left) and `driven`, the mean body speeds (2,).
+    slip: share of its speed that each wheel loses. An ideal plant drives the command itself, to the last digit.
+    """
+    half = command[1] * plant.track / 2.0
+    right, left = (command[0] + half) / plant.wheel_radius, (command[0] - half) / plant.wheel_radius
+    if plant.lag == 0.0 and plant.right == 0.0 and plant.left == 0.0 and slip[0] == 0.0 and slip[1] == 0.0:
+        driven[0], driven[1] = command[0], command[1]
+        wheels[0], wheels[1] = right, left
+    else:
+        fade = np.exp(-dt / plant.lag) if plant.lag > 0.0 else 0.0
+        mean = plant.lag / dt * (1.0 - fade)  # share of the old rate in the mean over the step
+        rims_right = (right + mean * (wheels[0] - right)) * plant.wheel_radius * (1.0 + plant.right) * (1.0 - slip[0])
+        rims_left = (left + mean * (wheels[1] - left)) * plant.wheel_radius * (1.0 + plant.left) * (1.0 - slip[1])
+        wheels[0], wheels[1] = right + fade * (wheels[0] - right), left + fade * (wheels[1] - left)
+        driven[0], driven[1] = (rims_right + rims_left) / 2.0, (rims_right - rims_left) / plant.track
+    if by_euler:
+        pose[0], pose[1], pose[2] = euler(pose[0], pose[1], pose[2], driven[0], driven[1], dt)
+    else:
+        pose[0], pose[1], pose[2] = arc(pose[0], pose[1], pose[2], driven[0], driven[1], dt)
+
+
 def _warm() -> None:
     """Compile every kernel with the types used in practice."""
+    plant = np.array([(0.035, 0.23, 0.1, 0.0, 0.0)], dtype=PLANT)
+    drive(np.zeros(3), np.zeros(2), np.ones(2), np.zeros(2), plant[0], 0.1, False, np.zeros(2))
     robot = np.array([(-1.0, 1.0, 1.0, 0.5, 0.5, 1.0, 0.2)], dtype=LIMITS)
     still, out = np.zeros((1, 2)), np.empty((1, 3))
     for poses in (np.zeros((1, 3)), np.broadcast_to(np.zeros(3), (1, 3))):

@@ -1,5 +1,6 @@
 """The one closed loop and the record it leaves (chapters 04 and 06)."""
 
+from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
 from fuzzynav.simulate.loop import (
     IDEAL,
     STATUSES,
@@ -12,6 +13,8 @@ from fuzzynav.simulate.loop import (
 )
 
 __all__ = [
+    "UNDISTURBED",
+    "Disturbance",
     "IDEAL",
     "Loop",
     "Playback",
