@@ -60,11 +60,13 @@ class FuzzySystem:
         here = f"fuzzy system {self.name!r}"
         if not isinstance(self.name, str):
             raise ValueError(f"the name of a fuzzy system must be text, got {self.name!r}")
-        for part, kind in (("inputs", Variable), ("outputs", Variable), ("blocks", RuleBlock)):
-            what = (
-                f"{here} has an empty rule base; blocks" if part == "blocks" and not self.blocks else f"{here}, {part}"
-            )
-            object.__setattr__(self, part, tuple_of(getattr(self, part), kind, what))
+        object.__setattr__(self, "inputs", tuple_of(self.inputs, Variable, f"{here}, inputs"))
+        object.__setattr__(self, "outputs", tuple_of(self.outputs, Variable, f"{here}, outputs"))
+        object.__setattr__(self, "blocks", tuple_of(self.blocks, RuleBlock, f"{here}, blocks"))
+        if not self.inputs or not self.outputs:
+            raise ValueError(f"{here} needs at least one input and one output")
+        if not self.blocks:
+            raise ValueError(f"{here} has an empty rule base")
         names = [v.name for v in (*self.inputs, *self.outputs)]
         if len(set(names)) < len(names):
             raise ValueError(f"{here}: two variables have one name: {', '.join(names)}")
