@@ -14,7 +14,6 @@ from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Field, Params, Plan
 from fuzzynav.dwa.fast import drive, shipped
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.membership import Term
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.blit import Setup, Update
 from fuzzynav.plot.dwa import arc_mark, draw_world, window_mark
@@ -23,12 +22,6 @@ from fuzzynav.simulate.record import Run
 from fuzzynav.world import World
 
 __all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "retuned", "run_player", "weights_lab"]
-
-INPUT_TERMS = {
-    "headGoal": ("Little", "More", "Lots"),
-    "distObs": ("Close", "Medium", "Far"),
-    "velRob": ("Slow", "Normal", "Fast"),
-}
 
 
 def run_player(run: Run, world: World) -> Setup:
@@ -144,23 +137,15 @@ def retuned(system: FuzzySystem, middles: dict[str, float], widths: dict[str, fl
 
     A reach of 1 is the shipped overlap, where every set ends at its neighbour's peak.
     """
-    from dataclasses import replace
-
-    inputs = []
+    changed = {}
     for variable in system.inputs:
         low, high = variable.low, variable.high
         peak, reach = middles[variable.name], widths[variable.name]
         left, right = reach * (peak - low), reach * (high - peak)
-        low_term, middle_term, high_term = INPUT_TERMS[variable.name]
-        corners = {
-            low_term: (low, low, low + left),
-            middle_term: (peak - left, peak, peak + right),
-            high_term: (high - right, high, high),
-        }
-        inputs.append(
-            replace(variable, terms=tuple(Term(name=n, shape="triangle", parameters=c) for n, c in corners.items()))
-        )
-    return replace(system, inputs=tuple(inputs))
+        corners = ((low, low, low + left), (peak - left, peak, peak + right), (high - right, high, high))
+        for term, numbers in zip(variable.terms, corners, strict=True):
+            changed[variable.name, term.name] = numbers
+    return system.with_terms(changed)
 
 
 def fuzzy_sets_lab(system: FuzzySystem) -> Setup:
