@@ -139,12 +139,3 @@ def test_what_the_study_says() -> None:
         < solved.groupby("density")["traditional_searched"].median()
     ).all()
     assert (solved["efficient_length"] > solved["dijkstra_length"] + 1e-4).groupby(solved["density"]).mean().min() > 0.1
-
-
-def test_study_resumes(tmp_path) -> None:
-    cases = random_maps.CASES[:2]
-    path = tmp_path / "part.csv"
-    first = random_maps.run_maps(cases[:1], path)
-    both = random_maps.run_maps(cases, path)
-    assert both.iloc[0]["traditional_us"] == first.iloc[0]["traditional_us"]  # not run again
-    assert len(both) == 2

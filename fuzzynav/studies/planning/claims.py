@@ -13,8 +13,9 @@ from fuzzynav import smoothing
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, heuristics
 from fuzzynav.studies.planning import maps, random_maps
-from fuzzynav.studies.planning.maps import CHAPTER_3, Planned, Scene
-from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4, Planned, Scene
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
 
 __all__ = ["REPRODUCTIONS", "STUDIES", "is_safe", "plan", "reduction", "smooth_is_continuous", "time_reduction"]
 
@@ -192,6 +193,14 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
 )
 
 STUDIES: tuple[Study, ...] = (
-    Study("astar_times", random_maps.run_times),
-    Study("astar_random_maps", random_maps.run_maps),
-)
+    Study(
+        name="astar_times", experiment=random_maps.times, cases=("S1", "S2", "M1", "M2"),
+        inputs=tuple(f"maps/{scene.name}.map" for scene in (*CHAPTER_3.values(), *CHAPTER_4.values())),
+        timed=("traditional_us", "better_us", "better_search_us"), parameters={"runs": 400},
+    ),
+    Study(
+        name="astar_random_maps", experiment=random_maps.one_map, cases=random_maps.CASES, tolerance={"": (0.0, 1e-4)},
+        timed=("traditional_us", "efficient_search_us", "efficient_us", "enhanced_us"),
+        parameters={"densities": list(random_maps.DENSITIES), "seeds": f"0 to {random_maps.MAPS - 1}"},
+    ),
+)  # fmt: skip
