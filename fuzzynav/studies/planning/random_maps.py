@@ -19,7 +19,7 @@ from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, visibility
 from fuzzynav.planning.astar import Options, SearchResult
 from fuzzynav.smoothing import simplify
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4, Scene, efficient, enhanced, random_scene, traditional
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4, Scene, efficient, enhanced, random_scene, traditional
 
 __all__ = ["CASES", "DENSITIES", "compare_times", "one_map", "results", "times"]
 
@@ -129,12 +129,12 @@ def results() -> pd.DataFrame:
 
 def times(name: str) -> dict[str, float]:
     """Times [us] on one of our maps: the median of 400 runs of each planner, in turns."""
-    scene: Scene = {**CHAPTER_3, **CHAPTER_4}[name]
-    better = efficient if name in CHAPTER_3 else enhanced
-    radius = 0.0 if name in CHAPTER_3 else scene.safety_radius
+    scene: Scene = {**SCENES_3, **SCENES_4}[name]
+    better = efficient if name in SCENES_3 else enhanced
+    radius = 0.0 if name in SCENES_3 else scene.safety_radius
     options = (
         replace(astar.EFFICIENT, corners=scene.traditional.corners)
-        if name in CHAPTER_3
+        if name in SCENES_3
         else replace(astar.ENHANCED, safety_radius=radius)
     )
     plans: dict[str, Callable[[], object]] = {
