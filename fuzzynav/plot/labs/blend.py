@@ -90,9 +90,7 @@ def weight_lab(figure: Figure) -> Update:
         image.set_data(weight_surface(system, (21, 41)))
         driven.set_data(*run.poses[:, :2].T)
         low, high = blend.reach_of(system)
-        return [
-            image,
-            driven,
-        ], f"F from {low:.2f} to {high:.2f}; largest F used {run.log['F'].max():.2f}; {_ending(run)}"
+        used = run.log["F"].max()
+        return [image, driven], f"F from {low:.2f} to {high:.2f}; largest F used {used:.2f}; {_ending(run)}"
 
     return update
