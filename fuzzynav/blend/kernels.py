@@ -19,7 +19,7 @@ from fuzzynav.robot.kernels import arc, clip, euler, limit, wrap
 from fuzzynav.tracking import records
 from fuzzynav.tracking.kernels import DFL, law
 
-__all__ = ["forecast", "lap", "printed", "printed_step", "safe", "safe_step", "weight"]
+__all__ = ["forecast", "guard", "lap", "printed", "printed_step", "safe", "safe_step", "weight"]
 
 NEAR = 1.0  # [m] further behind the nearest point a point does not bend the way round
 STEEP = 0.1  # [m] so far inside the margin the way leads straight off
@@ -180,7 +180,7 @@ def _evade(scheme: Any, points: Array, pose: Array, v: float, omega: float) -> t
 
 
 @njit(cache=True)
-def _guard(
+def guard(
     scheme: Any, memory: Any, points: Array, pose: Array, v: float, omega: float, away: float
 ) -> tuple[float, float, bool]:
     """Brake where the arc of the next step and of braking comes too near; turn towards free ground instead."""
@@ -245,7 +245,7 @@ def safe(scheme: Any, mind: Any, track: Track, tables: Any, points: Array, pose:
         aside_v, aside_omega, way = _avoid(scheme, mind, points, pose, track.rows[mind.goal], memory.lim)
         w = mind.weight
         v, omega = (1.0 - w) * v + w * aside_v, (1.0 - w) * omega + w * aside_omega
-        v, omega, mind.braked = _guard(scheme, memory, points, pose, v, omega, way)
+        v, omega, mind.braked = guard(scheme, memory, points, pose, v, omega, way)
     mind.index = k if mind.latched else k + 1
     return v, omega
 

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import solve_continuous_are, solve_discrete_are
+from scipy.linalg import LinAlgError, solve_continuous_are, solve_discrete_are
 
+from fuzzynav.checks import finite, positive
 from fuzzynav.geometry import Array
 from fuzzynav.tracking.kernels import LQR, sampled
 from fuzzynav.tracking.law import Setting, State, begin, stepped
@@ -72,15 +73,20 @@ def sampled_model(v: ArrayLike, omega: ArrayLike, dt: float) -> tuple[Array, Arr
 def riccati(a: Array, b: Array, weights: Weights) -> Array:
     """Solution P `(3, 3)` of A'P + PA - P B R^-1 B'P + Q = 0, by SciPy.
 
-    Source: thesis eq 1.17. Raises ValueError where (A, B) is not controllable, as for a reference at rest.
+    Source: thesis eq 1.17. Raises ValueError where (A, B) is not controllable, as for a reference at rest, and where
+    the weights lie too far apart for a solution.
     """
+    a, b = finite(a, "A", 3, 3), finite(b, "B", 3, 2)
     rank = np.linalg.matrix_rank(np.hstack([b, a @ b, a @ a @ b]))
     if rank < len(a):
         raise ValueError(
             f"the linearised unicycle is not controllable here: [B, AB, AAB] has rank {rank} of {len(a)}. "
             "At v_r = 0 no gain reaches the sideways error: give a reference that moves"
         )
-    return np.asarray(solve_continuous_are(a, b, weights.q, weights.r))
+    try:
+        return np.asarray(solve_continuous_are(a, b, weights.q, weights.r))
+    except LinAlgError as error:
+        raise ValueError(f"the Riccati equation has no finite solution for {weights}: {error}") from None
 
 
 def lqr_gain(v: float, omega: float, weights: Weights, dt: float | None = None) -> Array:
@@ -91,9 +97,10 @@ def lqr_gain(v: float, omega: float, weights: Weights, dt: float | None = None) 
     >>> lqr_gain(0.2, 0.0, Weights(ahead=4.0, v=1.0))[0, 0].round(6).item()      # sqrt(4/1) on the error ahead
     2.0
     """
-    a, b = error_model(v, omega)
+    a, b = error_model(*finite([v, omega], "the speeds of the reference (v, omega)", 2))
     if dt is None:
         return np.asarray(np.linalg.solve(weights.r, b.T @ riccati(a, b, weights)))
+    positive(dt=dt)
     riccati(a, b, weights)
     a, b = sampled_model(v, omega, dt)
     p = solve_discrete_are(a, b, weights.q * dt, weights.r * dt)

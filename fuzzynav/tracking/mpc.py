@@ -20,7 +20,7 @@ from fuzzynav.tracking.lqr import LEAST_SPEED, Weights, sampled_model
 __all__ = ["Mpc", "MpcState", "braking", "mpc_cost"]
 
 Indices = NDArray[np.int64]
-OUT_OF_REACH = 1e6  # [m] further than this from the reference the program's numbers mean nothing to its solver
+OUT_OF_REACH = 100.0  # [m] further than this from the reference the solver's tolerance is wider than the limits
 NAMES = {
     "solved": "solved",
     "solved inaccurate": "solved",

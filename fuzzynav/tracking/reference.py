@@ -38,6 +38,7 @@ __all__ = [
     "spline",
 ]
 
+LONGEST = 1e5  # [s] over which a length is summed at most: a day
 REST = 1e-9  # [m/s] a slower reference has no direction of travel
 
 
@@ -170,10 +171,14 @@ class Reference(ABC):
     def length(self, until: float | None = None) -> float:
         """Arc length [m] from time 0 to `until` [s] (the end if None), by Gauss-Legendre quadrature.
 
+        Raises ValueError for an end before 0 or after 1e5 s.
+
         >>> round(FigureEight().length(), 4)
         18.934
         """
         end = self.duration if until is None else until
+        if not 0.0 <= end <= LONGEST:
+            raise ValueError(f"a length is summed from 0 s to at most {LONGEST:g} s, not to {end:g} s")
         nodes, weights = np.polynomial.legendre.leggauss(8)
         edges = np.linspace(0.0, end, max(int(np.ceil(end / 0.25)), 1) + 1)
         half = np.diff(edges)[:, None] / 2.0

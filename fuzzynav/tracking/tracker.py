@@ -59,7 +59,9 @@ class Tracker(Controller):
         *,
         observer: Observer | None = None,
     ) -> None:
-        positive(dt=dt)
+        positive(dt=dt, duration=reference.duration)
+        if not callable(getattr(law, "command", None)):
+            raise ValueError(f"a law has a method command(state, pose, row), got {law!r}")
         if reference.duration / dt > MOST_STEPS:
             raise ValueError(
                 f"a reference of {reference.duration:g} s has over {MOST_STEPS:,} steps of {dt:g} s: shorten it"

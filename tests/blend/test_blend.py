@@ -203,8 +203,11 @@ def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() ->
         np.testing.assert_allclose(looped.poses[:n], direct.poses[:n], atol=1e-6)
 
 
-@pytest.mark.parametrize("name", [f.name for f in fields(blend.SafeScheme)])
+@pytest.mark.parametrize(
+    "name", [f.name for f in fields(blend.SafeScheme) if f.name not in ("same_side", "guard_turn")]
+)
 def test_every_choice_changes_something(name: str) -> None:
+    """The two others have a test of their own below: they act in a few scenes alone."""
     blocks = [TOP, block_of(300_000), block_of(300_003), block_of(300_008)]
     scheme = blend.SafeScheme(moving=name.startswith("evade"))
     base, value = [blend.drive(scheme, b).poses for b in blocks], getattr(scheme, name)
@@ -217,6 +220,68 @@ def test_every_choice_changes_something(name: str) -> None:
         if any(len(a) != len(b) or np.abs(a - b).max() > 1e-9 for a, b in zip(base, runs, strict=True)):
             return
     pytest.fail(f"{name} has no effect")
+
+
+# --- one step
+
+
+def ahead_of(pose: list[float], distance: float, speed: float = 0.0) -> np.ndarray:
+    """A few points across the way of a robot that looks along x, coming nearer at `speed`."""
+    return np.array([[pose[0] + distance, pose[1] + y, -speed, 0.0] for y in (-0.02, 0.0, 0.02)])
+
+
+def guarded(scheme: blend.SafeScheme, points: np.ndarray, v: float, away: float = 0.5) -> tuple[float, float, bool]:
+    memory = tracking.Tracker(HALF, tracking.Dfl()).start().memory
+    record = scheme.record(blend.table_5_1(), TURTLEBOT2.radius)
+    return kernels.guard(record[0], memory[0], points, np.zeros(3), v, 0.0, away)
+
+
+def test_the_guard_brakes_before_the_margin_and_turns_to_free_ground() -> None:
+    scheme = blend.SafeScheme()
+    need = TURTLEBOT2.radius + scheme.guard
+    reach = 0.6**2 / TURTLEBOT2.dec_lim_x + 2.0 * 0.1 * 0.6  # what the held command drives while it looks
+    assert guarded(scheme, ahead_of([0, 0], need + reach - 0.01), 0.6) == (0.0, pytest.approx(2.0 * 0.5), True)
+    assert guarded(scheme, ahead_of([0, 0], need + reach + 0.01), 0.6) == (0.6, 0.0, False)
+    assert guarded(scheme, ahead_of([0, 0], need - 0.01), -0.2)[2] is False, "away from what is near already"
+    assert guarded(replace(scheme, guard_turn=1.0), ahead_of([0, 0], need), 0.6)[1] == pytest.approx(0.5)
+
+
+def test_the_guard_evades_what_moves_and_leaves_what_it_clears() -> None:
+    scheme = blend.SafeScheme(moving=True)
+    v, omega, changed = guarded(scheme, ahead_of([0, 0], 0.8, speed=0.3), 0.2)
+    assert changed
+    assert v < 0
+    assert guarded(scheme, ahead_of([0, 0], 3.0, speed=0.3), 0.2) == (0.2, 0.0, False)
+
+
+def test_a_block_straight_ahead_turns_the_printed_robot_to_the_left() -> None:
+    law = blend.PrintedBlend(HALF)
+    pose = HALF.sample(0.0).pose
+    for bearing, sign in ((0.0, 1.0), (-0.2, 1.0), (0.2, -1.0)):
+        at = pose[:2] + 0.3 * np.array([np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)])
+        law.reset()
+        base = law(seen(0.0, pose, np.zeros(2)))
+        law.reset()
+        given = Observation(time=0.0, pose=pose, velocity=np.zeros(2), goal=np.zeros(2), points=at[None])
+        command = law(given)
+        f = law.evidence["F"]
+        assert command[1] == pytest.approx((1.0 - f) * base[1] + f * sign, abs=1e-12), bearing
+        assert f > 0.5
+
+
+@pytest.mark.parametrize("same_side", [3.0, 6.0])
+def test_a_detour_that_begins_soon_after_the_last_keeps_its_side(same_side: float) -> None:
+    pose = HALF.sample(0.0).pose
+    across = np.array([-np.sin(pose[2]), np.cos(pose[2])])
+    at = pose[:2] + 0.5 * np.array([np.cos(pose[2]), np.sin(pose[2])]) - 0.1 * across  # on the right: pass it left
+    sides = []
+    for released in (-1.0, -same_side + 0.1, -same_side - 0.1):
+        law = blend.SafeBlend(HALF, blend.SafeScheme(same_side=same_side))
+        law.mind.side, law.mind.released = -1.0, released
+        law(Observation(time=0.0, pose=pose, velocity=np.zeros(2), goal=np.zeros(2), points=at[None]))
+        assert law.mind.latched
+        sides.append(float(law.mind.side))
+    assert sides == [-1.0, -1.0, 1.0]
 
 
 # --- moving points

@@ -335,6 +335,98 @@ def test_no_disturbance_is_without_effect(name: str) -> None:
     assert np.abs(hit.poses - tracking.follow(tracking.Tracker(SHORT, tracking.Dfl())).poses).max() > 1e-4
 
 
+# --- a law of one's own --------------------------------------------------------------------------
+
+
+class Chase:
+    """Turn towards the reference and drive at its speed: all that a law needs."""
+
+    def command(self, state: object, pose: Array, row: object) -> tuple[list[float], object]:
+        ahead, left, turn = tracking.tracking_error(pose, [row.x, row.y, row.theta])
+        return [row.v * np.cos(turn) + ahead, row.omega + 10.0 * row.v * left + 1.5 * np.sin(turn)], state
+
+
+class Counting(Chase):
+    """The same with a memory and a horizon."""
+
+    horizon = 3
+
+    def start(self, setting: tracking.Setting) -> int:
+        return len(setting.rows)
+
+    def command(self, state: int, pose: Array, row: Array) -> tuple[list[float], int]:
+        assert row.shape == (3,)
+        return super().command(state, pose, row[0])[0], state + 1
+
+
+def test_a_law_of_ones_own_runs_wherever_the_courses_laws_do() -> None:
+    start = [-0.1, 0.1, 0.3]
+    built_in = tracking.follow(tracking.Tracker(SHORT, tracking.Kanayama()), start, disturbance=ROUGH, rng=3)
+    own = tracking.follow(tracking.Tracker(SHORT, Chase()), start, disturbance=ROUGH, rng=3)
+    assert own.poses == pytest.approx(built_in.poses, abs=1e-9)
+    assert own.status == "done"
+    tracker = tracking.Tracker(SHORT, Counting())
+    again = tracking.follow(tracker, start, disturbance=ROUGH, rng=3)
+    assert again.poses == pytest.approx(own.poses, abs=1e-12)
+    assert tracker.state == len(tracker.rows) + tracker.steps
+    loop = simulate.Loop(velocity=(SHORT.sample(0.0).v, SHORT.sample(0.0).omega))
+    driven = simulate.run(World(), TURTLEBOT2, tracker, start, t_max=40.0, disturbance=ROUGH, rng=3, loop=loop)
+    assert driven.status == "done"
+    assert driven.poses[:50] == pytest.approx(own.poses[:50], abs=1e-12)
+
+
+def test_a_law_that_inherits_and_overrides_is_not_run_compiled() -> None:
+    class Lazy(tracking.Kanayama):
+        def command(self, state: object, pose: Array, row: object) -> tuple[Array, object]:
+            command, after = super().command(state, pose, row)
+            return 0.5 * command, after
+
+    lazy, eager = (tracking.follow(tracking.Tracker(SHORT, law)) for law in (Lazy(), tracking.Kanayama()))
+    assert lazy.length < 0.9 * eager.length
+
+
+def test_a_command_that_is_not_finite_is_named() -> None:
+    class Broken(Chase):
+        def command(self, state: object, pose: Array, row: object) -> tuple[list[float], object]:
+            return [np.nan, 0.0], state
+
+    with pytest.raises(ValueError, match=r"returned \[nan, 0.0\] at 0.0 s"):
+        tracking.follow(tracking.Tracker(SHORT, Broken()))
+
+
+# --- the guards of the flat law ------------------------------------------------------------------
+
+
+def test_the_compensator_speeds_up_and_brakes_as_the_robot_can() -> None:
+    robot = replace(TURTLEBOT2, acc_lim_x=0.1, dec_lim_x=0.4)
+    tracker = tracking.Tracker(reference.line((0.0, 0.0), 0.0, 0.3, 10.0), tracking.Dfl(kp1=9.0, kd1=6.0), robot)
+    for offset, change in ((-1.0, 0.01), (1.0, -0.04)):  # behind the reference: speed up; ahead of it: brake
+        command, _ = tracker.step(tracker.start(), [offset, 0.0, 0.0], tracker.row(0.0))
+        assert command[0] - 0.3 == pytest.approx(change, abs=1e-12)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("law", [tracking.Dfl(v0=0.05), tracking.Flatness(v0=0.05)], ids=name_of)
+def test_the_turn_fades_without_a_jump_where_the_divisor_is_held(law: tracking.FlatGains, sense: float) -> None:
+    commands = []
+    for v in (0.05 * (1.0 + 1e-9), 0.05 * (1.0 - 1e-9)):
+        state = tracking.Tracker(SHORT, law).start()
+        state.memory["started"], state.memory["speed"] = True, sense * v
+        row = np.array([(0.0, 0.05, sense * v, 0.0, 0.0, 0.0, 0.0, sense * v, 0.0)], dtype=ROW)[0]
+        commands.append(law.command(state, [0.0, 0.0, 0.0], row)[0])
+    assert commands[0] == pytest.approx(commands[1], abs=1e-6)
+    assert commands[0][1] * sense > 0.5, "towards a reference on the left, driving backwards: turn right"
+
+
+def test_the_largest_step_is_that_of_the_quicker_axis() -> None:
+    slow, quick = (1.0, 0.7), (9.0, 5.0)
+    for one, other in ((slow, quick), (quick, slow)):
+        edge = tracking.largest_step(tracking.Dfl(kp1=one[0], kd1=one[1], kp2=other[0], kd2=other[1]))
+        assert edge == tracking.largest_step(tracking.Dfl(kp1=9.0, kd1=5.0, kp2=9.0, kd2=5.0))
+        radii = [np.abs(np.linalg.eigvals(tracking.sampled_loop(*pair, 0.999 * edge))).max() for pair in (one, other)]
+        assert max(radii) < 1.0
+
+
 # --- Kanayama, PID, sliding mode -----------------------------------------------------------------
 
 
@@ -558,6 +650,18 @@ def test_mpc_keeps_limits_that_the_wish_would_break_and_names_what_cannot_be() -
     assert tracker.start().outcome == "solved"
 
 
+@pytest.mark.parametrize("pose", [[101.0, 0.0, 0.0], [1e30, 0.0, 0.0], [-1e300, 1e300, 1e300]])
+def test_mpc_brakes_where_the_reference_is_out_of_reach_and_prints_nothing(pose: list[float], capfd: object) -> None:
+    tracker = tracking.Tracker(SHORT, tracking.Mpc())
+    command, after = tracker.step(tracker.start(), pose, tracker.row(0.0))
+    assert after.outcome == "out of reach"
+    assert np.array_equal(command, [0.0, 0.0])
+    near, after = tracker.step(tracker.start(), [99.0, 0.0, 0.0], tracker.row(0.0))
+    assert after.outcome == "solved"
+    assert abs(near[0]) < TURTLEBOT2.max_vel_x + 0.02
+    assert capfd.readouterr() == ("", "")
+
+
 def test_mpc_warm_start_saves_iterations_and_reset_forgets_it() -> None:
     tracker = tracking.Tracker(SHORT, tracking.Mpc())
     first = tracking.follow(tracker, [-0.1, 0.1, 0.3], duration=5.0)
@@ -660,6 +764,19 @@ class Still(reference.FigureEight):
         (lambda: tracking.gains_from_poles([1.0, -1.0]), "left half-plane"),
         (lambda: tracking.luenberger_gain((-1.0, 1.0), 0.1), "negative"),
         (lambda: tracking.Kalman(position_noise=0.0), "positive"),
+        (
+            lambda: tracking.Tracker(reference.FigureEight(duration=1e12), tracking.Dfl()),
+            "over 1,000,000 steps of 0.1 s",
+        ),
+        (lambda: reference.FigureEight(duration=1e12).length(), "at most 100000 s"),
+        (lambda: EIGHT.length(np.nan), "at most 100000 s, not to nan s"),
+        (lambda: tracking.Tracker(EIGHT, None), r"method command\(state, pose, row\), got None"),
+        (lambda: tracking.Tracker(EIGHT, tracking.Pid(), observer=tracking.Kalman()), "serves Dfl and Flatness"),
+        (lambda: tracking.Lqr(speeds=0), "1 to 33 speeds"),
+        (lambda: tracking.lqr_gain(np.nan, 0.0, tracking.Weights()), "speeds of the reference .* finite"),
+        (lambda: tracking.lqr_gain(np.inf, 0.0, tracking.Weights()), "speeds of the reference .* finite"),
+        (lambda: tracking.lqr_gain(0.2, 0.0, tracking.Weights(), dt=-1.0), "dt must be positive"),
+        (lambda: tracking.riccati(np.eye(2), np.eye(2), tracking.Weights()), "A must be 3 x 3 finite numbers"),
         (lambda: tracking.follow(tracking.Tracker(EIGHT, tracking.Dfl()), [0.0, np.nan, 0.0]), "finite pose"),
         (lambda: tracking.follow(tracking.Tracker(EIGHT, tracking.Dfl()), duration=0.0), "at least one step"),
     ],
