@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from fuzzynav.geometry import Array
 from fuzzynav.robot import Robot, limits_of
 from fuzzynav.tracking import kernels
-from fuzzynav.tracking.records import GAINS, MEMORY
+from fuzzynav.tracking.records import GAINS, MEMORY, Records
 
 __all__ = ["Law", "Setting", "State"]
 
@@ -35,7 +35,7 @@ class Law(Protocol):
 class Setting:
     """What a law is told before the first step: the rows of the reference, the robot, and the step dt [s]."""
 
-    rows: Array
+    rows: Records
     robot: Robot
     dt: float
 
@@ -44,8 +44,8 @@ class Setting:
 class State:
     """State of a compiled law: its gains and its memory, each an array of one record."""
 
-    gains: Array
-    memory: Array
+    gains: Records
+    memory: Records
 
     def with_rates(self, rates: ArrayLike) -> State:
         """The state with estimated dx/dt and dy/dt [m/s], which the flat laws feed back in place of their own."""

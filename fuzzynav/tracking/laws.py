@@ -184,7 +184,7 @@ def sliding_surfaces_as_printed(error: ArrayLike, rate: ArrayLike, slopes: Array
     The rate holds v and omega, so a law written with s is an algebraic loop, and three surfaces cannot be forced
     with two inputs (errata T53).
     """
-    return np.asarray(rate, dtype=float) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float)
+    return np.asarray(np.asarray(rate) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float))
 
 
 def sliding_surfaces(error: ArrayLike, v_r: ArrayLike, gains: Sliding) -> Array:

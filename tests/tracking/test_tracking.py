@@ -370,9 +370,9 @@ def test_a_law_of_ones_own_runs_wherever_the_courses_laws_do() -> None:
     assert again.poses == pytest.approx(own.poses, abs=1e-12)
     assert tracker.state == len(tracker.rows) + tracker.steps
     loop = simulate.Loop(velocity=(SHORT.sample(0.0).v, SHORT.sample(0.0).omega))
-    driven = simulate.run(World(), TURTLEBOT2, tracker, start, t_max=40.0, disturbance=ROUGH, rng=3, loop=loop)
+    driven = simulate.run(World(), TURTLEBOT2, tracker, start, t_max=30.0, disturbance=ROUGH, rng=3, loop=loop)
     assert driven.status == "done"
-    assert driven.poses[:50] == pytest.approx(own.poses[:50], abs=1e-12)
+    assert driven.poses == pytest.approx(own.poses, abs=1e-12)
 
 
 def test_a_law_that_inherits_and_overrides_is_not_run_compiled() -> None:
@@ -382,7 +382,7 @@ def test_a_law_that_inherits_and_overrides_is_not_run_compiled() -> None:
             return 0.5 * command, after
 
     lazy, eager = (tracking.follow(tracking.Tracker(SHORT, law)) for law in (Lazy(), tracking.Kanayama()))
-    assert lazy.length < 0.9 * eager.length
+    assert lazy.commands[0, 0] == pytest.approx(0.5 * eager.commands[0, 0])
 
 
 def test_a_command_that_is_not_finite_is_named() -> None:
@@ -656,7 +656,7 @@ def test_mpc_brakes_where_the_reference_is_out_of_reach_and_prints_nothing(pose:
     command, after = tracker.step(tracker.start(), pose, tracker.row(0.0))
     assert after.outcome == "out of reach"
     assert np.array_equal(command, [0.0, 0.0])
-    near, after = tracker.step(tracker.start(), [99.0, 0.0, 0.0], tracker.row(0.0))
+    near, after = tracker.step(tracker.start(), [10.0, 0.0, 0.0], tracker.row(0.0))
     assert after.outcome == "solved"
     assert abs(near[0]) < TURTLEBOT2.max_vel_x + 0.02
     assert capfd.readouterr() == ("", "")
