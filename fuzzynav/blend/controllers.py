@@ -16,7 +16,7 @@ from fuzzynav.blend import kernels
 from fuzzynav.blend.points import MEMORY, _nearest_on, _remember
 from fuzzynav.data import folder
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.packing import Tables
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.robot.model import TURTLEBOT2, Robot
 from fuzzynav.tracking.dfl import DflGains

@@ -21,8 +21,8 @@ from fuzzynav.dwa.kernels import _plan, _reachable, _window
 from fuzzynav.dwa.steps import CHAPTER_3, Params, limits_of
 from fuzzynav.dwa.weights import INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.fuzzy.engine import infer_one
-from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot.model import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
