@@ -122,9 +122,7 @@ class Variable:
             raise ValueError(f"{here}: the range must have low < high, got {self.low:g} to {self.high:g}")
         ends = [v for v in (self.low, self.high) if LARGEST < abs(v) < math.inf]
         if ends:
-            raise ValueError(
-                f"{here}: the range must end within -{LARGEST:g} to {LARGEST:g}, or be inf, got {ends[0]:g}"
-            )
+            raise ValueError(f"{here}: the range must stay within -{LARGEST:g} to {LARGEST:g}, got {ends[0]:g}")
         names = [term.name for term in self.terms]
         if len(set(names)) < len(names):
             raise ValueError(f"{here}: two terms have one name: {', '.join(names)}")
@@ -155,6 +153,10 @@ class Variable:
     def with_term(self, name: str, parameters: Sequence[float]) -> Variable:
         """The same variable with other parameters for one term. Raises ValueError as `Term` does."""
         old = self.term(name)
+        if not isinstance(parameters, Iterable) or isinstance(parameters, str):
+            raise ValueError(
+                f"variable {self.name!r}: term {name!r}: parameters must be a list of numbers, got {parameters!r}"
+            )
         try:
             new = replace(old, parameters=tuple(parameters))
         except ValueError as error:
