@@ -25,15 +25,15 @@ from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot import THESIS, Robot
-from fuzzynav.simulate.loop import Loop, Sensing
+from fuzzynav.sensors import Laser
+from fuzzynav.simulate.loop import Loop
 from fuzzynav.world import World
 from fuzzynav.world.kernels import clearance, scan
 
-__all__ = ["BLIND", "Drive", "drive", "shipped", "tables_of"]
+__all__ = ["Drive", "drive", "shipped", "tables_of"]
 
 RULES = folder("fuzzy")
 STATUS = ("timeout", "reached", "stalled", "collided")
-BLIND = Sensing(beams=0)  # no scanner: the field alone says what is in the way
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,18 +88,19 @@ def drive(
     field: Field | None = None,
     rules: Tables | None = None,
     robot: Robot = THESIS,
-    sensors: Sensing = BLIND,
+    laser: Laser | None = None,
     t_max: float = 120.0,
     loop: Loop | None = None,
 ) -> Drive:
     """Drive with fixed weights, or with those of `rules` and the parameters' weights where no rule fires.
 
-    The world must stand still, the sensors must be ideal, the footprint the disc. Movers, noise and a motor lag are for
+    laser None: the field alone says what is in the way. The world must stand still, the laser must be ideal, the
+    footprint the disc. Movers, noise and disturbances are for
     `simulate.run`: ValueError.
     """
     loop = loop or Loop()
-    plain = Sensing(beams=sensors.beams, field_of_view=sensors.field_of_view, range_max=sensors.range_max)
-    if world.movers or sensors != plain or loop.motor_lag or params.footprint or params.sampling != "closed":
+    faulty = laser is not None and (laser.noise or laser.dropout or laser.range_min)
+    if world.movers or faulty or params.footprint or params.sampling != "closed":
         raise ValueError("the compiled loop knows no movers, noise, motor lag, footprint or printed sampling")
     a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
     pose = a if a.size == 3 else np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]))
@@ -123,8 +124,8 @@ def drive(
         given,
         steps,
         ends,
-        sensors.angles,
-        sensors.range_max,
+        np.empty(0) if laser is None else laser.angles,
+        0.0 if laser is None else laser.range_max,
     )
     return Drive(poses, commands, used, clearance, STATUS[status], uncovered, braking, params.dt)
 
@@ -247,5 +248,5 @@ def _warm() -> None:
         (9.0, 9.0),
         t_max=0.2,
         field=Field(np.full((40, 40), 5.0), 0.25),
-        sensors=Sensing(beams=8),
+        laser=Laser(beams=8, range_min=0.0, noise=0.0),
     )

@@ -16,7 +16,7 @@ import numpy as np
 from fuzzynav import documents, simulate
 from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Controller, Field, Plan
-from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
+from fuzzynav.dwa.fast import RULES, drive, shipped
 from fuzzynav.dwa.steps import CHAPTER_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
@@ -79,7 +79,7 @@ def _controller(fuzzy: bool, keep: bool) -> Controller:
 @cache
 def _run(fuzzy: bool) -> tuple[Run, tuple[Plan, ...]]:
     controller = _controller(fuzzy, keep=True)
-    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, sensors=BLIND)
+    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, laser=None)
     return run, tuple(controller.plans)
 
 
