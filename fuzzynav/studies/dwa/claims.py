@@ -1,4 +1,4 @@
-"""Thesis chapter 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
+"""Thesis 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
 
 The thesis prints neither the map, nor start and goal, dt, d_max, robot radius, goal tolerance, or any membership
 breakpoint. Ours: random maps of 20 x 20 cells; the one shown is the map, among the maps searched, on which both
