@@ -24,16 +24,16 @@ from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
-from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.kernels import _clearance, _scan
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS, Robot
+from fuzzynav.sensors import Laser
+from fuzzynav.simulate.loop import Loop
+from fuzzynav.world import World
+from fuzzynav.world.kernels import clearance, scan
 
-__all__ = ["BLIND", "Drive", "drive", "shipped", "tables_of"]
+__all__ = ["Drive", "drive", "shipped", "tables_of"]
 
 RULES = folder("fuzzy")
 STATUS = ("timeout", "reached", "stalled", "collided")
-BLIND = Sensing(beams=0)  # no scanner: the field alone says what is in the way
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,18 +88,19 @@ def drive(
     field: Field | None = None,
     rules: Tables | None = None,
     robot: Robot = THESIS,
-    sensors: Sensing = BLIND,
+    laser: Laser | None = None,
     t_max: float = 120.0,
     loop: Loop | None = None,
 ) -> Drive:
     """Drive with fixed weights, or with those of `rules` and the parameters' weights where no rule fires.
 
-    The world must stand still, the sensors must be ideal, the footprint the disc. Movers, noise and a motor lag are for
+    laser None: the field alone says what is in the way. The world must stand still, the laser must be ideal, the
+    footprint the disc. Movers, noise and disturbances are for
     `simulate.run`: ValueError.
     """
     loop = loop or Loop()
-    plain = Sensing(beams=sensors.beams, field_of_view=sensors.field_of_view, range_max=sensors.range_max)
-    if world.movers or sensors != plain or loop.motor_lag or params.footprint or params.sampling != "closed":
+    faulty = laser is not None and (laser.noise or laser.dropout or laser.range_min)
+    if world.movers or faulty or params.footprint or params.sampling != "closed":
         raise ValueError("the compiled loop knows no movers, noise, motor lag, footprint or printed sampling")
     a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
     pose = a if a.size == 3 else np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]))
@@ -112,7 +113,7 @@ def drive(
     steps = int(np.floor(t_max / params.dt + 1e-9))
     weights = np.asarray(params.weights, dtype=float)
     poses, commands, used, clearance, status, uncovered, braking = _drive(
-        world._static,
+        world.scene,
         known,
         pose,
         b[:2].copy(),
@@ -123,8 +124,8 @@ def drive(
         given,
         steps,
         ends,
-        sensors.angles,
-        sensors.range_max,
+        np.empty(0) if laser is None else laser.angles,
+        0.0 if laser is None else laser.range_max,
     )
     return Drive(poses, commands, used, clearance, STATUS[status], uncovered, braking, params.dt)
 
@@ -152,17 +153,16 @@ def _moved(pose, v, omega, dt):
 
 
 @njit(cache=True)
-def _least(static, pose, v, omega, dt, radius):
+def _least(scene, pose, v, omega, dt, radius):
     """Least clearance of the rim during a step, as the open loop looks for it."""
-    mask, cells, frame, bounds, discs, rectangles = static
     none, least = np.empty((0, 3)), np.inf
     after = _moved(pose, v, omega, dt)
-    end = _clearance(mask, cells, frame, bounds, discs, rectangles, none, after[:2].copy().reshape(1, 2))[0] - radius
+    end = clearance(scene, none, after[:2].copy().reshape(1, 2))[0] - radius
     if end > abs(v) * dt + 0.05:
         return end
     for u in (0.2, 0.4, 0.6, 0.8):
         between = _moved(pose, v, omega, u * dt)[:2].copy().reshape(1, 2)
-        least = min(least, _clearance(mask, cells, frame, bounds, discs, rectangles, none, between)[0] - radius)
+        least = min(least, clearance(scene, none, between)[0] - radius)
     return min(end, least)
 
 
@@ -180,7 +180,7 @@ def _stalled(poses, n, ends):
 
 
 @njit(cache=True)
-def _drive(static, known, start, goal, limits, settings, switches, nominal, tables, steps, ends, angles, range_max):
+def _drive(scene, known, start, goal, limits, settings, switches, nominal, tables, steps, ends, angles, range_max):
     """Poses, commands, weights, clearances, status, uncovered and braking steps."""
     dt = settings[0]
     field, frame = known
@@ -194,8 +194,8 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, tabl
     for k in range(steps):
         nearest = np.inf
         if angles.size:
-            scan, _ = _scan(*(static + (np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)))
-            ranges, count = scan[0], 0
+            seen, _ = scan(scene, np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)
+            ranges, count = seen[0], 0
             points = np.empty((angles.size, 2))
             for i in range(angles.size):
                 if ranges[i] < range_max:
@@ -224,7 +224,7 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, tabl
         chosen = samples.shape[0] - 1 if best < 0 else best
         low, high, right, left = _reachable(v, omega, limits, dt)
         v, omega = min(max(samples[chosen, 0], low), high), min(max(samples[chosen, 1], right), left)
-        clearances[k] = _least(static, pose, v, omega, dt, limits[6])
+        clearances[k] = _least(scene, pose, v, omega, dt, limits[6])
         pose = _moved(pose, v, omega, dt)
         commands[k, 0], commands[k, 1] = v, omega
         weights[k], poses[k + 1] = w, pose
@@ -248,5 +248,5 @@ def _warm() -> None:
         (9.0, 9.0),
         t_max=0.2,
         field=Field(np.full((40, 40), 5.0), 0.25),
-        sensors=Sensing(beams=8),
+        laser=Laser(beams=8, range_min=0.0, noise=0.0),
     )
