@@ -28,6 +28,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.mapping.occupancy",
     "fuzzynav.maps.kernels",
     "fuzzynav.planning.kernels",
+    "fuzzynav.planning.openlist",
     "fuzzynav.planning.visibility",
     "fuzzynav.tracking.kernels",
     "fuzzynav.world.kernels",

@@ -1,4 +1,4 @@
-"""The eight steps on a grid and the distances that guide a search; the search itself is in `searchkernels`."""
+"""The eight steps on a grid and the distances that guide a search; the search itself is in `kernels`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array
-from fuzzynav.planning.kernels import _kept
+from fuzzynav.planning.kernels import kept
 
 __all__ = ["STEPS", "bearing", "distance_scale", "enhanced", "euclidean", "kept_directions", "manhattan", "octile"]
 
@@ -92,4 +92,4 @@ def kept_directions(offset: ArrayLike) -> NDArray[np.int64]:
     [0, 1, 2, 6, 7]
     """
     x, y = np.asarray(offset, dtype=float)
-    return np.array([d for d in range(8) if _kept(x, y, d)])
+    return np.array([d for d in range(8) if kept(x, y, d)])
