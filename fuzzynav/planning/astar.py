@@ -137,6 +137,11 @@ class SearchResult:
     _order: NDArray[np.int32] = field(repr=False)
     _width: int = field(repr=False)
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only: what a search found does not change."""
+        self.cells.setflags(write=False)
+        self._order.setflags(write=False)
+
     @property
     def searched(self) -> int:
         """Number of cells expanded: taken from the open list, start and goal included."""
@@ -159,7 +164,7 @@ def search(grid: GridMap, start: ArrayLike, goal: ArrayLike, options: Options = 
     4.8284
     """
     began = time.perf_counter()
-    ends = (*_cell(grid, start, "start"), *_cell(grid, goal, "goal"))
+    ends = (*checked_cell(grid, start, "start"), *checked_cell(grid, goal, "goal"))
     free = grid.inflate(options.safety_radius) if options.safety_radius > 0.0 else grid
     for status, x, y in (("start_blocked", *ends[:2]), ("goal_blocked", *ends[2:])):
         if free.occupied[y, x]:
@@ -202,7 +207,7 @@ def _nothing(status: str, began: float, grid: GridMap) -> SearchResult:
     )
 
 
-def _cell(grid: GridMap, value: ArrayLike, name: str) -> tuple[int, int]:
+def checked_cell(grid: GridMap, value: ArrayLike, name: str) -> tuple[int, int]:
     """A cell of the map as two ints, or a ValueError that names what is wrong."""
     cell = np.asarray(value)
     if cell.shape != (2,) or cell.dtype.kind not in "iuf" or not np.all(np.isfinite(cell)) or (cell % 1 != 0).any():
