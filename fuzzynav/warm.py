@@ -27,6 +27,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.mapping.occupancy",
     "fuzzynav.maps.kernels",
     "fuzzynav.planning.kernels",
+    "fuzzynav.planning.openlist",
     "fuzzynav.planning.visibility",
     "fuzzynav.robot.kernels",
     "fuzzynav.tracking.kernels",
