@@ -29,6 +29,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.maps.kernels",
     "fuzzynav.planning.kernels",
     "fuzzynav.planning.visibility",
+    "fuzzynav.robot.kernels",
     "fuzzynav.tracking.kernels",
     "fuzzynav.world.kernels",
 )

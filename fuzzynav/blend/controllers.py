@@ -15,15 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.blend import kernels
 from fuzzynav.blend.points import MEMORY, _nearest_on, _remember
+from fuzzynav.control import Observation
 from fuzzynav.data import folder
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.dfl import DflGains
 from fuzzynav.tracking.kernels import DFL
 from fuzzynav.tracking.reference import FigureEight, Reference
 from fuzzynav.tracking.tracker import Tracker
-from fuzzynav.world.world import Observation
 
 __all__ = [
     "LAP",
@@ -249,7 +249,12 @@ class _Blend(Tracker):
         super().__init__(reference, (gains or DflGains()).vector, robot, dt)
         self.system = system or table_5_1()
         self.tables = _tables(self.system)
-        self.evidence: dict[str, float] = {}
+        self._evidence: dict[str, float] = {}
+
+    @property
+    def evidence(self) -> dict[str, float]:
+        """Numbers of the last step."""
+        return self._evidence
 
     @staticmethod
     def _points(observation: Observation) -> Array:
@@ -286,7 +291,7 @@ class PrintedBlend(_Blend):
         f = kernels._printed(
             self.scheme.vector, self.tables, points, len(points), np.asarray(observation.pose), track, out
         )
-        self.evidence = {"F": f}
+        self._evidence = {"F": f}
         return out
 
 
@@ -349,7 +354,7 @@ class SafeBlend(_Blend):
         kernels._limit(out, last, self.limits, self.dt)
         self.last = out.copy()
         m = self.mind
-        self.evidence = {
+        self._evidence = {
             "F": float(m[kernels.FUZZY]),
             "weight": float(m[kernels.WEIGHT]),
             "avoiding": float(m[kernels.LATCHED]),

@@ -14,7 +14,7 @@ from numba import njit
 from fuzzynav.blend.points import MEMORY, _closest, _gap, _nearest_on, _remember, _sight
 from fuzzynav.fuzzy.engine import run as _infer
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.kernels import DFL, STATES, _clip, _law, _limit, _wrap, limits_of
 
 __all__: list[str] = []

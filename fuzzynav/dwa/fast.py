@@ -24,10 +24,10 @@ from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.fuzzy.compiled import Tables, tables
 from fuzzynav.fuzzy.engine import run as _infer
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
+from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.kernels import _clearance, _scan
-from fuzzynav.world.world import World
+from fuzzynav.world import World
+from fuzzynav.world.kernels import clearance, scan
 
 __all__ = ["BLIND", "Drive", "drive", "shipped", "tables_of"]
 
@@ -112,7 +112,7 @@ def drive(
     numbers = np.array([given.n_terms, given.n_rules, len(given.slots), int(np.floor(t_max / params.dt + 1e-9))])
     weights = np.asarray(params.weights, dtype=float)
     poses, commands, used, clearance, status, uncovered, braking = _drive(
-        world._static,
+        world.scene,
         known,
         pose,
         b[:2].copy(),
@@ -155,17 +155,16 @@ def _moved(pose, v, omega, dt):
 
 
 @njit(cache=True)
-def _least(static, pose, v, omega, dt, radius):
+def _least(scene, pose, v, omega, dt, radius):
     """Least clearance of the rim during a step, as the open loop looks for it."""
-    mask, cells, frame, bounds, discs, rectangles = static
     none, least = np.empty((0, 3)), np.inf
     after = _moved(pose, v, omega, dt)
-    end = _clearance(mask, cells, frame, bounds, discs, rectangles, none, after[:2].copy().reshape(1, 2))[0] - radius
+    end = clearance(scene, none, after[:2].copy().reshape(1, 2))[0] - radius
     if end > abs(v) * dt + 0.05:
         return end
     for u in (0.2, 0.4, 0.6, 0.8):
         between = _moved(pose, v, omega, u * dt)[:2].copy().reshape(1, 2)
-        least = min(least, _clearance(mask, cells, frame, bounds, discs, rectangles, none, between)[0] - radius)
+        least = min(least, clearance(scene, none, between)[0] - radius)
     return min(end, least)
 
 
@@ -183,7 +182,7 @@ def _stalled(poses, n, ends):
 
 
 @njit(cache=True)
-def _drive(static, known, start, goal, limits, settings, switches, nominal, arrays, numbers, ends, angles, range_max):
+def _drive(scene, known, start, goal, limits, settings, switches, nominal, arrays, numbers, ends, angles, range_max):
     """Poses, commands, weights, clearances, status, uncovered and braking steps."""
     dt, steps = settings[0], numbers[3]
     field, frame = known
@@ -197,8 +196,8 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, arra
     for k in range(steps):
         nearest = np.inf
         if angles.size:
-            scan, _ = _scan(*(static + (np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)))
-            ranges, count = scan[0], 0
+            seen, _ = scan(scene, np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)
+            ranges, count = seen[0], 0
             points = np.empty((angles.size, 2))
             for i in range(angles.size):
                 if ranges[i] < range_max:
@@ -227,7 +226,7 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, arra
         chosen = samples.shape[0] - 1 if best < 0 else best
         low, high, right, left = _reachable(v, omega, limits, dt)
         v, omega = min(max(samples[chosen, 0], low), high), min(max(samples[chosen, 1], right), left)
-        clearances[k] = _least(static, pose, v, omega, dt, limits[6])
+        clearances[k] = _least(scene, pose, v, omega, dt, limits[6])
         pose = _moved(pose, v, omega, dt)
         commands[k, 0], commands[k, 1] = v, omega
         weights[k], poses[k + 1] = w, pose

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
 from fuzzynav.geometry import Array, read_only, sealed, wrap
-from fuzzynav.robot.model import move
+from fuzzynav.robot import move
 
 __all__ = [
     "Belief",

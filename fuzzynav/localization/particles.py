@@ -16,7 +16,7 @@ from fuzzynav.geometry import Array, read_only, sealed, wrap
 from fuzzynav.localization.kalman import Belief, MotionNoise, sample_motions
 from fuzzynav.maps.gridmap import GridMap, cells_across
 from fuzzynav.maps.kernels import Record, framed
-from fuzzynav.robot.model import move
+from fuzzynav.robot import move
 from fuzzynav.sensors.scene import Scan
 
 __all__ = [

@@ -20,12 +20,13 @@ from PIL import Image
 
 from fuzzynav import dwa
 from fuzzynav.batch import proportion
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Params, Plan
 from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, draw_discs, draw_goal, draw_grid, draw_path, draw_robot, metric_axes
-from fuzzynav.robot.model import Robot
+from fuzzynav.robot import Robot
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 __all__ = [
     "ArcMark",

@@ -14,11 +14,11 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array, to_world, wrap
-from fuzzynav.robot.model import Robot, body_from_rims
+from fuzzynav.robot import Robot, body_from_rims
 
 if TYPE_CHECKING:
     from fuzzynav.maps.gridmap import GridMap
-    from fuzzynav.world.world import World
+    from fuzzynav.world import World
 
 __all__ = [
     "SPEED_OF_LIGHT",

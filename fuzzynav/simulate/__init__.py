@@ -1,9 +1,9 @@
 """The one closed loop and the record it leaves (chapters 04 and 06)."""
 
+from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
 from fuzzynav.simulate.loop import (
     IDEAL,
     STATUSES,
-    Controller,
     Loop,
     Playback,
     Run,
@@ -13,7 +13,8 @@ from fuzzynav.simulate.loop import (
 )
 
 __all__ = [
-    "Controller",
+    "UNDISTURBED",
+    "Disturbance",
     "IDEAL",
     "Loop",
     "Playback",

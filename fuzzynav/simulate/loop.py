@@ -2,36 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot, limit, motor_lag, move
+from fuzzynav.robot import Robot, limit, motor_lag, move
 from fuzzynav.simulate.record import STATUSES, Run
-from fuzzynav.world.world import Observation, World, movers_start, movers_step
+from fuzzynav.world import World, movers_start, movers_step
 
-__all__ = ["IDEAL", "STATUSES", "Controller", "Loop", "Playback", "Run", "Sensing", "run", "stands_free"]
+__all__ = ["IDEAL", "STATUSES", "Loop", "Playback", "Run", "Sensing", "run", "stands_free"]
 
 STILL = 1e-9  # [m/s] slower than this is standing
-
-
-class Controller(Protocol):
-    """What drives a robot: called once every step, reset before every run.
-
-    Two attributes are optional: `evidence`, a dict of numbers that the last call wants to have recorded, and
-    `status`, a named reason to end the run (None while there is none).
-    """
-
-    def __call__(self, observation: Observation) -> ArrayLike:
-        """Command (v [m/s], omega [rad/s]) for the next step."""
-        ...
-
-    def reset(self) -> None:
-        """Forget the run before."""
-        ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +72,7 @@ class Loop:
             raise ValueError(f"tolerance and times must be positive, got {self}")
 
 
-class Playback:
+class Playback(Controller):
     """A controller that gives the commands of a recorded run once more."""
 
     def __init__(self, recorded: Run) -> None:
@@ -136,7 +122,7 @@ def run(
         if wish.shape != (2,) or not np.isfinite(wish).all():
             raise ValueError(f"the controller returned {wish.tolist()} at {k * dt:.1f} s: give finite (v, omega)")
         state.advance(wish, k * dt, dt, loop)
-        state.keep(getattr(controller, "evidence", {}), wish)
+        state.keep(controller.evidence, wish)
         status = _ending(state, controller, loop, dt)
     return state.run(status or "timeout", dt)
 
@@ -263,7 +249,7 @@ class _State:
         self.measured = self.velocity * factor
         self.believed = move(self.believed, driven * factor, dt)
 
-    def keep(self, evidence: dict[str, Any], wish: Array) -> None:
+    def keep(self, evidence: Mapping[str, Any], wish: Array) -> None:
         """Record what the step left."""
         self.track["wish"].append(wish)
         self.track["believed"].append(self.believed)
@@ -300,7 +286,7 @@ def _ending(state: _State, controller: Controller, loop: Loop, dt: float) -> str
         return "collided"
     if state.distance <= loop.goal_tolerance:
         return "reached"
-    named = getattr(controller, "status", None)
+    named = controller.status
     if named:
         return str(named)
     back = int(np.ceil(loop.stall_time / dt - 1e-9))

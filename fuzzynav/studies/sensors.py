@@ -10,10 +10,10 @@ import numpy as np
 
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import Robot
+from fuzzynav.robot import Robot
 from fuzzynav.sensors.scene import Encoders, dead_reckon, encoder_counts, odometry
 from fuzzynav.studies.reproduction import Reproduction
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 __all__ = ["REPRODUCTIONS", "believed_run", "room", "square_motions", "wall"]
 

@@ -9,9 +9,9 @@ from fuzzynav import dwa, lab, plot, simulate
 from fuzzynav.dwa.fast import RULES
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.plot.labs.dwa import retuned
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa import claims, comparison
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 YARD = World(
     discs=[[3.0, 2.6, 0.5]],

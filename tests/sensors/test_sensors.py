@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from fuzzynav import sensors as s
 from fuzzynav.geometry import length, to_body, to_world
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import TURTLEBOT2, move
+from fuzzynav.robot import TURTLEBOT2, move
 from fuzzynav.sensors import cameras as cam
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 BOX = GridMap.from_ascii("\n".join(["#" * 42, *(["#" + "." * 40 + "#"] * 40), "#" * 42]), 0.1, (-2.1, -2.1))
 TURN = np.array([0.0, 0.0, 2.0 * np.pi])

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 from fuzzynav import dwa, simulate
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS, TURTLEBOT2, move, respects_limits
+from fuzzynav.robot import THESIS, TURTLEBOT2, move, respects_limits
 from fuzzynav.simulate.loop import Loop, Playback, Sensing
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 EMPTY = World()
 

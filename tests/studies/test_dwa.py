@@ -8,10 +8,10 @@ from fuzzynav.dwa import weights as fuzzy_dwa
 from fuzzynav.dwa.decision import Controller, Params
 from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped, tables_of
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.simulate.loop import Sensing
 from fuzzynav.studies.dwa import claims, comparison, safety, tuning
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 
 def recompute(name: str, share: float = 0.01) -> list[str]:

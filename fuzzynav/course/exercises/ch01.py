@@ -10,7 +10,7 @@ import numpy as np
 
 from fuzzynav.course.exercise import Exercise, Wrong
 from fuzzynav.geometry import wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot, body_speeds, move, move_midpoint
+from fuzzynav.robot import TURTLEBOT2, Robot, body_speeds, move, move_midpoint
 from fuzzynav.sensors.cameras import Stereo, disparity, stereo_sigma
 from fuzzynav.sensors.scene import odometry, wheel_travel
 

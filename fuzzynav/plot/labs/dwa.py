@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 
 from fuzzynav import dwa
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Field, Params, Plan
 from fuzzynav.dwa.fast import drive, shipped
 from fuzzynav.fuzzy import FuzzySystem
@@ -17,9 +18,9 @@ from fuzzynav.fuzzy.membership import Term
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.blit import Setup, Update
 from fuzzynav.plot.dwa import arc_mark, draw_world, window_mark
-from fuzzynav.robot.model import THESIS, Robot
+from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 __all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "retuned", "run_player", "weights_lab"]
 

@@ -15,11 +15,12 @@ from scipy.spatial import KDTree
 from fuzzynav import batch, blend, simulate
 from fuzzynav.blend.kernels import INDEX, WEIGHT
 from fuzzynav.blend.points import _nearest_on
+from fuzzynav.control import Observation
 from fuzzynav.data import folder
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.reference import FigureEight
-from fuzzynav.world.world import Mover, Observation, World
+from fuzzynav.world import Mover, World
 
 __all__ = [
     "BLOCK_CASES",

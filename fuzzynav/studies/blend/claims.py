@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from fuzzynav import blend
-from fuzzynav.robot.model import PIONEER_3DX
+from fuzzynav.robot import PIONEER_3DX
 from fuzzynav.studies.blend import blocks
 from fuzzynav.studies.reproduction import Reproduction, Study
 from fuzzynav.studies.tracking.claims import EXPERIMENT, SIMULATION, simulation_run

@@ -14,17 +14,18 @@ from typing import Any
 import numpy as np
 
 from fuzzynav import batch, documents, simulate
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Controller, Field, Plan
 from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
 from fuzzynav.dwa.steps import CHAPTER_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.simulate.record import Run
 from fuzzynav.studies.dwa import comparison, safety, tuning
 from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, RESULTS, START, TIME_LIMIT, random_map
 from fuzzynav.studies.reproduction import Reproduction, Study
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 __all__ = [
     "AS_THESIS",

@@ -17,9 +17,9 @@ from fuzzynav.dwa.decision import Controller, Stuck
 from fuzzynav.dwa.fast import drive
 from fuzzynav.dwa.steps import Params
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
+from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "NOISE",

@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 
 from fuzzynav import batch, tracking
-from fuzzynav.robot.model import PIONEER_3DX, TURTLEBOT2, Robot
+from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot
 from fuzzynav.studies.reproduction import Reproduction, Study
 from fuzzynav.studies.tracking import rivals
 from fuzzynav.tracking.reference import FigureEight
