@@ -10,6 +10,7 @@ import zipfile
 import zlib
 from array import array
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import resources
 from io import BytesIO
@@ -29,7 +30,18 @@ SMALL, RATIO = 1_000_000, 20  # bytes that an archive may always unpack to, and 
 _SCAN_HEAD = 9  # words of a ROBOTLASER1 line before its ranges, with the tag
 # order of the upper triangle of the information matrix, over x, y, theta
 _G2O, _TORO = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), ((0, 0), (0, 1), (1, 1), (2, 2), (0, 2), (1, 2))
-_BROKEN = (zipfile.BadZipFile, zlib.error, struct.error, NotImplementedError, RuntimeError, OSError, EOFError)
+_BROKEN = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    OverflowError,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -106,16 +118,23 @@ def read_g2o(path: str | Path) -> ScanLog:
 def _from_archive(content: bytes, name: str) -> str:
     """The text of the one log in an archive, read in memory and no further than it may be long."""
     longest = min(max(SMALL, RATIO * len(content)), LARGEST)
-    try:
-        with zipfile.ZipFile(BytesIO(content)) as archive:
-            member = _the_log(archive, name)
-            with archive.open(member) as file:
-                told = file.read(longest + 1)
-    except (*_BROKEN, UnicodeDecodeError, LookupError, OverflowError) as error:
-        raise ValueError(f"{name}: the archive is damaged: {error}") from error
+    with _intact(name):
+        archive = zipfile.ZipFile(BytesIO(content))
+    member = _the_log(archive, name)
+    with _intact(name), archive.open(member) as file:
+        told = file.read(longest + 1)
     if len(told) > longest:
         raise ValueError(f"{name}: {shown(member.filename)} unpacks to over {longest} bytes, more than a log does")
-    return text_of(told, f"{name}: {member.filename}")
+    return text_of(told, f"{name}: {shown(member.filename)}")
+
+
+@contextmanager
+def _intact(name: str) -> Iterator[None]:
+    """Whatever a damaged archive makes zipfile raise, as a ValueError with the file's name."""
+    try:
+        yield
+    except _BROKEN as error:
+        raise ValueError(f"{name}: the archive is damaged: {shown(str(error), 100)}") from error
 
 
 def _the_log(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
