@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav.maps.files import Scenario, read_scenarios
 from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.maps.movingai import Scenario, read_scenarios
 from fuzzynav.planning import kernels
 
 __all__ = [

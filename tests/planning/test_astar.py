@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from fuzzynav.maps.files import Scenario
+from fuzzynav.maps import Scenario
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, heuristics, plain
 from fuzzynav.planning.astar import DIJKSTRA, EFFICIENT, ENHANCED, OPTIMAL, QUICK, TRADITIONAL, Options
