@@ -18,9 +18,11 @@ PACKAGE = Path(__file__).resolve().parent
 MODULES: tuple[str, ...] = (
     "fuzzynav.blend.kernels",
     "fuzzynav.blend.points",
+    "fuzzynav.control",
     "fuzzynav.dwa.contact",
     "fuzzynav.dwa.fast",
     "fuzzynav.dwa.kernels",
+    "fuzzynav.dwa.sight",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
     "fuzzynav.fuzzy.set_kernels",

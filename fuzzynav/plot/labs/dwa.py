@@ -13,8 +13,8 @@ from fuzzynav import dwa
 from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Field, Params, Plan
 from fuzzynav.dwa.fast import drive, shipped
+from fuzzynav.dwa.weights import retuned
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.membership import Term
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.blit import Setup, Update
 from fuzzynav.plot.dwa import arc_mark, draw_world, window_mark
@@ -22,14 +22,7 @@ from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.record import Run
 from fuzzynav.world import World
 
-__all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "retuned", "run_player", "weights_lab"]
-
-INPUT_TERMS = {
-    "headGoal": ("Little", "More", "Lots"),
-    "distObs": ("Close", "Medium", "Far"),
-    "velRob": ("Slow", "Normal", "Fast"),
-}
-
+__all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "run_player", "weights_lab"]
 
 def run_player(run: Run, world: World) -> Setup:
     """A run played in its world: robot, path so far and movers at `frame`."""
@@ -60,7 +53,7 @@ def run_player(run: Run, world: World) -> Setup:
 
 
 def dwa_scrubber(
-    run: Run, plans: Sequence[Plan], world: World, robot: Robot = THESIS, params: Params = dwa.CHAPTER_3
+    run: Run, plans: Sequence[Plan], world: World, robot: Robot = THESIS, params: Params = dwa.TABLE_3_3
 ) -> Setup:
     """Any moment of a run: the map with the candidate arcs, and the velocity window of that decision."""
 
@@ -139,30 +132,6 @@ def weights_lab(world: World, start: Sequence[float], goal: Sequence[float]) -> 
     return setup
 
 
-def retuned(system: FuzzySystem, middles: dict[str, float], widths: dict[str, float]) -> FuzzySystem:
-    """The rule base with other triangles: for each input the peak of its middle set and the reach of all three.
-
-    A reach of 1 is the shipped overlap, where every set ends at its neighbour's peak.
-    """
-    from dataclasses import replace
-
-    inputs = []
-    for variable in system.inputs:
-        low, high = variable.low, variable.high
-        peak, reach = middles[variable.name], widths[variable.name]
-        left, right = reach * (peak - low), reach * (high - peak)
-        low_term, middle_term, high_term = INPUT_TERMS[variable.name]
-        corners = {
-            low_term: (low, low, low + left),
-            middle_term: (peak - left, peak, peak + right),
-            high_term: (high - right, high, high),
-        }
-        inputs.append(
-            replace(variable, terms=tuple(Term(name=n, shape="triangle", parameters=c) for n, c in corners.items()))
-        )
-    return replace(system, inputs=tuple(inputs))
-
-
 def fuzzy_sets_lab(system: FuzzySystem) -> Setup:
     """Nine sets by sliders, and the three weight surfaces over heading and speed at one obstacle distance."""
 
@@ -206,7 +175,7 @@ def fuzzy_sets_lab(system: FuzzySystem) -> Setup:
     return setup
 
 
-def obstacle_lab(robot: Robot = THESIS, params: Params = dwa.CHAPTER_3) -> Setup:
+def obstacle_lab(robot: Robot = THESIS, params: Params = dwa.TABLE_3_3) -> Setup:
     """A disc to drag before a robot that drives: arcs and window of the decision."""
 
     def setup(figure: Figure) -> Update:
