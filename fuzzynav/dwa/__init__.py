@@ -23,10 +23,10 @@ from fuzzynav.dwa.steps import (
     window,
     window_as_printed,
 )
-from fuzzynav.dwa.weights import INPUT_TERMS, INPUTS, OUTPUTS, FuzzyWeights, fuzzy_controller, inputs_of, retuned
+from fuzzynav.dwa.weights import INPUTS, OUTPUTS, FuzzyWeights, fuzzy_controller, inputs_of, retuned
 
 __all__ = [
-    "INPUTS", "INPUT_TERMS", "OUTPUTS", "REASONS", "TABLE_3_3", "TABLE_4_1", "Controller", "Field", "FuzzyWeights",
+    "INPUTS", "OUTPUTS", "REASONS", "TABLE_3_3", "TABLE_4_1", "Controller", "Field", "FuzzyWeights",
     "Params", "Plan", "Stuck", "admissible", "admissible_as_printed", "arcs", "blind_spots", "brake", "distance_score",
     "end_clearance", "free_distance", "fuzzy_controller", "heading_score", "inputs_of", "nearest_of", "normalise",
     "objective", "plan", "retuned", "speed_score", "step", "step_as_printed", "stopping_distance", "window",

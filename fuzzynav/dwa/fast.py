@@ -21,8 +21,8 @@ from fuzzynav.dwa.kernels import _plan, _reachable, _window
 from fuzzynav.dwa.steps import CHAPTER_3, Params, limits_of
 from fuzzynav.dwa.weights import INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.compiled import Tables, tables
-from fuzzynav.fuzzy.engine import run as _infer
+from fuzzynav.fuzzy.engine import infer_one
+from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.loop import Loop, Sensing
@@ -70,7 +70,7 @@ def tables_of(system: FuzzySystem) -> Tables:
     named = tuple(v.name for v in system.inputs), tuple(v.name for v in system.outputs)
     if named != (INPUTS, OUTPUTS):
         raise ValueError(f"{system.name} maps {named[0]} to {named[1]}; needed: {INPUTS} to {OUTPUTS}, in this order")
-    return tables(system.inputs, system.outputs, system.blocks)
+    return system.tables
 
 
 @cache
@@ -109,7 +109,7 @@ def drive(
     )
     known = (NO_FIELD, NO_FRAME) if field is None else (field.values, np.array([field.resolution, *field.origin]))
     switches = np.array([params.distance == "end", params.bound == "as_printed", rules is not None, params.blind])
-    numbers = np.array([given.n_terms, given.n_rules, len(given.slots), int(np.floor(t_max / params.dt + 1e-9))])
+    steps = int(np.floor(t_max / params.dt + 1e-9))
     weights = np.asarray(params.weights, dtype=float)
     poses, commands, used, clearance, status, uncovered, braking = _drive(
         world.scene,
@@ -120,8 +120,8 @@ def drive(
         params.settings,
         switches,
         weights,
-        given.arrays,
-        numbers,
+        given,
+        steps,
         ends,
         sensors.angles,
         sensors.range_max,
@@ -130,17 +130,14 @@ def drive(
 
 
 @njit(cache=True)
-def _weights(inputs, nominal, arrays, counts, out):
+def _weights(inputs, nominal, tables, out):
     """Weights for one state into `out`; whether a rule fired."""
-    values, firing = np.empty((1, 3)), np.empty((1, counts[1]))
-    memberships, strengths = np.empty((1, counts[0])), np.empty((1, counts[2]))
-    before = (inputs.reshape(1, 3), np.empty((1, 0)), np.empty((0, 3)))
-    _infer(*(before + arrays + (values, memberships, firing, strengths)))
-    if firing.max() <= 0.0:
+    values = np.empty(3)
+    if infer_one(tables, inputs, values) <= 0.0:
         out[:] = nominal
         return False
     for k in range(3):
-        out[k] = max(values[0, k], 0.0) if np.isfinite(values[0, k]) else nominal[k]
+        out[k] = max(values[k], 0.0) if np.isfinite(values[k]) else nominal[k]
     return True
 
 
@@ -182,9 +179,9 @@ def _stalled(poses, n, ends):
 
 
 @njit(cache=True)
-def _drive(scene, known, start, goal, limits, settings, switches, nominal, arrays, numbers, ends, angles, range_max):
+def _drive(scene, known, start, goal, limits, settings, switches, nominal, tables, steps, ends, angles, range_max):
     """Poses, commands, weights, clearances, status, uncovered and braking steps."""
-    dt, steps = settings[0], numbers[3]
+    dt = settings[0]
     field, frame = known
     poses, commands, weights = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 3))
     clearances, w, pose = np.empty(steps), nominal.copy(), start.copy()
@@ -217,7 +214,7 @@ def _drive(scene, known, start, goal, limits, settings, switches, nominal, array
             bearing = (np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
             near = min(max(nearest - limits[6], 0.0), 15.0)
             inputs = np.array([min(abs(np.degrees(bearing)), 180.0), near, min(abs(v), 1.0)])
-            uncovered += not _weights(inputs, nominal, arrays, numbers, w)
+            uncovered += not _weights(inputs, nominal, tables, w)
         samples = _window(v, omega, limits, settings)
         _, _, _, _, _, best, _ = _plan(
             samples, pose, goal, points, border, radii, field, frame, corners, limits, settings, switches, w

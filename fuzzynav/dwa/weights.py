@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -12,18 +10,12 @@ from fuzzynav.dwa.controller import Controller, Stuck
 from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.membership import Term
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.robot import Robot
 
-__all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "INPUT_TERMS", "fuzzy_controller", "inputs_of", "retuned"]
+__all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "fuzzy_controller", "inputs_of", "retuned"]
 
 INPUTS = ("headGoal", "distObs", "velRob")
-INPUT_TERMS = {
-    "headGoal": ("Little", "More", "Lots"),
-    "distObs": ("Close", "Medium", "Far"),
-    "velRob": ("Slow", "Normal", "Fast"),
-}
 OUTPUTS = ("alpha", "beta", "gamma")
 UNIVERSES = np.array([[0.0, 180.0], [0.0, 15.0], [0.0, 1.0]])  # thesis section 3.5.1
 
@@ -89,18 +81,12 @@ def retuned(system: FuzzySystem, middles: dict[str, float], widths: dict[str, fl
 
     A reach of 1 is the shipped overlap, where every set ends at its neighbour's peak.
     """
-    inputs = []
+    changed = {}
     for variable in system.inputs:
         low, high = variable.low, variable.high
         peak, reach = middles[variable.name], widths[variable.name]
         left, right = reach * (peak - low), reach * (high - peak)
-        low_term, middle_term, high_term = INPUT_TERMS[variable.name]
-        corners = {
-            low_term: (low, low, low + left),
-            middle_term: (peak - left, peak, peak + right),
-            high_term: (high - right, high, high),
-        }
-        inputs.append(
-            replace(variable, terms=tuple(Term(name=n, shape="triangle", parameters=c) for n, c in corners.items()))
-        )
-    return replace(system, inputs=tuple(inputs))
+        corners = ((low, low, low + left), (peak - left, peak, peak + right), (high - right, high, high))
+        for term, numbers in zip(variable.terms, corners, strict=True):
+            changed[variable.name, term.name] = numbers
+    return system.with_terms(changed)

@@ -11,7 +11,7 @@ import numpy as np
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import Robot
-from fuzzynav.sensors.scene import Encoders, dead_reckon, encoder_counts, odometry
+from fuzzynav.sensors import Encoders, dead_reckon, encoder_counts, odometry
 from fuzzynav.studies.reproduction import Reproduction
 from fuzzynav.world import Mover, World
 

@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.maps.kernels import Bytes, Cells, Mask, _nearest, _ray
+from fuzzynav.maps.kernels import Bytes, Cells, Mask, distance_at, ray_length
 
 __all__ = ["GROUND", "Fleet", "Scene", "advance", "clearance", "raster", "rectangle_hits", "scan", "spacing"]
 
@@ -73,7 +73,7 @@ def clearance(scene: Scene, movers: Array, points: Array) -> Array:
             best = min(best, np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0))
         if scene.mask.shape[0] > 0 and best > 0.0:
             u, v = (x - ground.x) / ground.resolution, (y - ground.y) / ground.resolution
-            best = min(best, ground.resolution * _nearest(scene.mask, scene.field, u, v, False))
+            best = min(best, ground.resolution * distance_at(scene.mask, scene.field, u, v, False))
         out[n] = best
     return out
 
@@ -199,7 +199,7 @@ def scan(scene: Scene, movers: Array, poses: Array, angles: Array, range_max: fl
             t = _to_wall(ground, x, y, beams[1, n], beams[2, n])
             if scene.mask.shape[0] > 0 and t > 0.0:
                 reach = min(t, out[m, n]) / ground.resolution
-                cells = _ray(scene.mask, scene.skip, px, py, beams[1, n], beams[2, n], reach, False)
+                cells = ray_length(scene.mask, scene.skip, px, py, beams[1, n], beams[2, n], reach, False)
                 t = min(t, ground.resolution * cells)
             if t < out[m, n]:
                 out[m, n], labels[m, n] = t, -1

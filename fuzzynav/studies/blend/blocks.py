@@ -35,8 +35,6 @@ __all__ = [
     "mover_of",
     "one_block",
     "one_mover",
-    "run_blocks",
-    "run_movers",
     "summary",
 ]
 
@@ -218,16 +216,6 @@ def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[s
 
 
 # --- the studies -------------------------------------------------------------------------------
-
-
-def run_blocks() -> None:
-    """Drive every scheme past 1000 blocks; writes data/results/avoidance_blocks.csv."""
-    batch.run(one_block, BLOCK_CASES, path=RESULTS / "avoidance_blocks.csv")
-
-
-def run_movers() -> None:
-    """Drive the printed and the safe blend past 200 patrols; writes data/results/avoidance_movers.csv."""
-    batch.run(one_mover, MOVER_CASES, path=RESULTS / "avoidance_movers.csv")
 
 
 def summary(name: str = "blocks") -> Any:

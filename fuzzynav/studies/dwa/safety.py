@@ -11,8 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzynav import batch, simulate
-from fuzzynav.data import folder
+from fuzzynav import simulate
 from fuzzynav.dwa.decision import Controller, Stuck
 from fuzzynav.dwa.fast import drive
 from fuzzynav.dwa.steps import Params
@@ -28,13 +27,10 @@ __all__ = [
     "noisy_outcome",
     "open_run",
     "outcome",
-    "run_noisy",
-    "run_safety",
     "setting",
     "world_of",
 ]
 
-RESULTS = folder("results")
 SEEDS = 10_000
 NOISY_SEEDS = 60
 T_MAX = 40.0  # [s]
@@ -145,13 +141,3 @@ def noisy_outcome(seed: int) -> list[dict[str, Any]]:
                 }
             )
     return rows
-
-
-def run_safety() -> None:
-    """10,000 worlds with ideal sensing; writes data/results/dwa_safety.csv."""
-    batch.run(outcome, range(SEEDS), path=RESULTS / "dwa_safety.csv")
-
-
-def run_noisy() -> None:
-    """60 worlds with noise; writes data/results/dwa_noise.csv."""
-    batch.run(noisy_outcome, range(NOISY_SEEDS), path=RESULTS / "dwa_noise.csv")

@@ -20,8 +20,8 @@ from fuzzynav.planning.astar import Options, SearchResult
 from fuzzynav.smoothing import simplify
 
 __all__ = [
-    "CHAPTER_3",
-    "CHAPTER_4",
+    "SCENES_3",
+    "SCENES_4",
     "Planned",
     "Scene",
     "curve_of",
@@ -58,12 +58,12 @@ def _load(name: str) -> GridMap:
 
 
 _NO_CUT = replace(astar.TRADITIONAL, corners="strict")
-CHAPTER_3 = {
+SCENES_3 = {
     "S1": Scene(name="thesis_ch3_scenario1", start=(1, 2), goal=(16, 17)),
     "S2": Scene(name="thesis_ch3_scenario2", start=(3, 5), goal=(18, 18)),
     "S1 no cut": Scene(name="thesis_ch3_scenario1_nocut", start=(0, 3), goal=(19, 14), traditional=_NO_CUT),
 }
-CHAPTER_4 = {
+SCENES_4 = {
     "M1": Scene(name="thesis_ch4_map1_touching", start=(2, 2), goal=(17, 18), traditional=_NO_CUT, safety_radius=0.0),
     "M1 Manhattan": Scene(
         name="thesis_ch4_map1_manhattan",
