@@ -105,8 +105,7 @@ class Plan:
     @property
     def blind(self) -> bool:
         """Whether the robot may drive nowhere, and for no other reason than that it was told too little."""
-        moving = np.abs(self.samples[:, 0]) > 1e-9
-        return bool((self.reasons[moving] >= kernels.UNSEEN).all() if moving.any() else self.braking)
+        return bool(kernels.is_blind(self.samples, self.reasons))
 
 
 def blind_spots(observation: Observation, robot: Robot, params: Params = TABLE_3_3) -> tuple[Array, Array]:

@@ -26,7 +26,7 @@ from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
 __all__ = [
     "ADMISSIBLE", "NO_STOP", "NO_TURN_STOP", "PRINTED_SPEED", "PRINTED_TURN", "SETTINGS", "UNSEEN", "brake", "braking",
-    "decide", "stopping", "window",
+    "decide", "is_blind", "stopping", "window",
 ]  # fmt: skip
 
 Reasons = NDArray[np.int64]
@@ -170,6 +170,19 @@ def _reason(v: float, omega: float, way: Way, lim: Any, settings: Any, polygon: 
     if need > min(way.free, way.seen):
         return NO_STOP
     return UNSEEN if need > way.unseen else ADMISSIBLE
+
+
+@njit(cache=True)
+def is_blind(samples: Array, reasons: Reasons) -> bool:
+    """Whether every sample that drives (every sample, where none does) is refused because too little was told."""
+    drives, told = False, False
+    for i in range(samples.shape[0]):
+        if abs(samples[i, 0]) > STILL:
+            drives = True
+            if reasons[i] < UNSEEN:
+                return False
+        told = told or reasons[i] < UNSEEN
+    return drives or not told
 
 
 @njit(cache=True)
