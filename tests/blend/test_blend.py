@@ -198,7 +198,7 @@ def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() ->
             direct.poses[0],
             [50, 50],
             t_max=0.1 * steps,
-            sensors=simulate.Sensing(range_max=2.0),
+            laser=replace(simulate.IDEAL_LASER, range_max=2.0),
         )
         n = min(len(looped.poses), steps)
         np.testing.assert_allclose(looped.poses[:n], direct.poses[:n], atol=1e-6)

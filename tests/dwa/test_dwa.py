@@ -92,6 +92,7 @@ def test_stopping_distance_is_the_sum_of_the_steps() -> None:
     assert dwa.stopping_distance([[1.0, 0.0]], THESIS, 0.1)[0] == pytest.approx(1.0 / 0.4 + 0.05, abs=1e-12)
 
 
+@settings(deadline=None)
 @given(speeds, turns)
 def test_braking_stays_on_the_arc_and_inside_the_limits(v: float, omega: float) -> None:
     state = np.array([v, omega])
@@ -127,6 +128,7 @@ def test_an_admissible_sample_stops_before_the_wall(gap: float, v: float, omega:
 # --- the window -----------------------------------------------------------------------------------
 
 
+@settings(deadline=None)
 @given(speeds, turns)
 def test_window_holds_both_ends_zero_and_the_emergency(v: float, omega: float) -> None:
     samples = dwa.window([v, omega], THESIS)
@@ -298,6 +300,7 @@ def test_every_parameter_has_an_effect() -> None:
         "bound": "as_printed",
         "sampling": "as_printed",
         "blind": True,
+        "thinnest": 0.1,
         "footprint": ((0.4, -0.3), (0.4, 0.3), (-0.4, 0.3), (-0.4, -0.3)),
     }
     assert set(other) == {f.name for f in fields(Params)}

@@ -39,14 +39,14 @@ ENDS = Loop(stall_time=5.0)
 REMEDIES = ("none", "margin 0.1 m", "window on the command")
 SIZE = 16.0  # [m]
 CORNERS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 1.0, 1.0), (1.0, 0.0, 1.0))
-SHAKY = Odometry(noise=(0.05, 0.05))
+UNEVEN = Odometry(noise=(0.05, 0.05))
 NOISE = {
     "ideal": (IDEAL_LASER, EXACT),
     "scan 2 cm": (replace(IDEAL_LASER, noise=0.02), EXACT),
     "scan 5 cm": (replace(IDEAL_LASER, noise=0.05), EXACT),
-    "odometry 5 %": (IDEAL_LASER, SHAKY),
+    "odometry 5 %": (IDEAL_LASER, UNEVEN),
     "odometry bias 5 %": (IDEAL_LASER, Odometry(bias=(-0.05, 0.0))),
-    "scan 2 cm, odometry 5 %": (replace(IDEAL_LASER, noise=0.02, dropout=0.02), SHAKY),
+    "scan 2 cm, odometry 5 %": (replace(IDEAL_LASER, noise=0.02, dropout=0.02), UNEVEN),
 }
 
 
@@ -91,8 +91,7 @@ def case_of(seed: int) -> tuple[World, Robot, Params, Array, Array, Laser]:
     robot, params = setting(rng, seed % 10 == 9)
     world, start, goal = world_of(rng, robot)
     reach = robot.max_vel_x**2 / (2.0 * robot.dec_lim_x) + robot.radius + 0.5
-    laser = replace(IDEAL_LASER, range_max=float(np.ceil(10.0 * reach) / 10.0))
-    return world, robot, params, start, goal, laser
+    return world, robot, params, start, goal, replace(IDEAL_LASER, range_max=float(np.ceil(10.0 * reach) / 10.0))
 
 
 def outcome(seed: int) -> dict[str, Any]:
@@ -120,12 +119,13 @@ def open_run(seed: int, noise: str = "", remedy: str = "none", tries: int = 0) -
     world, robot, params, start, goal, laser = case_of(seed)
     odometry = EXACT
     if noise:
-        faulty, odometry = NOISE[noise]
-        laser = replace(faulty, beams=720, range_max=laser.range_max)
+        noisy, odometry = NOISE[noise]
+        laser = replace(noisy, beams=720, range_max=laser.range_max)
     params = replace(params, margin=0.1 if "margin" in remedy else 0.0)
     controller = Controller(robot, params, stuck=Stuck(tries=tries), on_command="command" in remedy)
-    senses: dict[str, Any] = {"laser": laser, "odometry": odometry}
-    return simulate.run(world, robot, controller, start, goal, t_max=T_MAX, rng=seed, loop=ENDS, **senses)
+    return simulate.run(
+        world, robot, controller, start, goal, t_max=T_MAX, laser=laser, odometry=odometry, rng=seed, loop=ENDS
+    )
 
 
 def noisy_outcome(seed: int) -> list[dict[str, Any]]:
