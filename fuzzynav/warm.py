@@ -17,9 +17,11 @@ __all__ = ["MODULES", "main"]
 MODULES: tuple[str, ...] = (
     "fuzzynav.blend.kernels",
     "fuzzynav.blend.points",
+    "fuzzynav.control",
     "fuzzynav.dwa.contact",
     "fuzzynav.dwa.fast",
     "fuzzynav.dwa.kernels",
+    "fuzzynav.dwa.sight",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
     "fuzzynav.fuzzy.set_kernels",
