@@ -21,7 +21,9 @@ def package(tmp_path: Path) -> Path:
     package = tmp_path / "package"
     (package / "room" / "__pycache__").mkdir(parents=True)
     (package / "inner.py").write_text(KERNEL.format(1))
-    (package / "room" / "plain.py").write_text('"""Text."""\n\nHALF = (\n    0.5,\n    2,\n)\n\n\ndef f():\n    return 1\n')
+    (package / "room" / "plain.py").write_text(
+        '"""Text."""\n\nHALF = (\n    0.5,\n    2,\n)\n\n\ndef f():\n    return 1\n'
+    )
     assert not stale.forget_stale(package)
     (package / "room" / "__pycache__" / COMPILED).write_bytes(b"old")
     return package
