@@ -43,7 +43,7 @@ def say_address(notebook: str) -> None:
 
 def options(notebook: str) -> list[str]:
     """The arguments for JupyterLab, after one line for each thing that a newcomer should know."""
-    chosen = [notebook, "--ServerApp.log_level=WARNING"]
+    chosen = [notebook, "--ServerApp.log_level=WARN"]
     if is_root():
         print(f"you are root: allowed, on this machine only (bound to {HERE_ONLY})", flush=True)
         chosen += ["--allow-root", f"--ServerApp.ip={HERE_ONLY}"]
