@@ -9,7 +9,7 @@ WORKERS ?= 2
 help:
 	@echo "make lab             open the course in JupyterLab"
 	@echo "make test            run every test and every notebook"
-	@echo "make reproduce       run the long studies, then print published against reproduced"
+	@echo "make reproduce       run the studies that are missing or stale (FRESH=1: all), then print the ledger"
 	@echo "make bench           measure speed against other programs"
 	@echo "make handout         students' edition, without solutions, in handout/"
 	@echo "make grade IN=folder grade folder/STUDENT/*.ipynb into grades.csv; also NB=05 OUT=file SECONDS=60 JOBS=2"
@@ -35,7 +35,7 @@ test:
 	@touch $@
 
 reproduce: .venv/kernels
-	@$(RUN) -m fuzzynav.studies
+	@$(RUN) -m fuzzynav.studies $(if $(FRESH),--fresh)
 	@$(RUN) -m fuzzynav.published
 
 bench:

@@ -22,6 +22,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.dwa.kernels",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
+    "fuzzynav.fuzzy.packing",
     "fuzzynav.fuzzy.set_kernels",
     "fuzzynav.localization.particles",
     "fuzzynav.mapping.occupancy",

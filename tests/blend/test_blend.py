@@ -16,7 +16,7 @@ from fuzzynav.robot import TURTLEBOT2, respects_limits
 from fuzzynav.studies.blend.blocks import block_of
 from fuzzynav.tracking.reference import FigureEight
 from fuzzynav.tracking.tracker import seen
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 EIGHT = FigureEight(duration=blend.LAP)
 HALF = FigureEight(duration=blend.LAP / 2.0)
@@ -198,7 +198,7 @@ def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() ->
             direct.poses[0],
             [50, 50],
             t_max=0.1 * steps,
-            sensors=simulate.Sensing(range_max=2.0),
+            laser=replace(simulate.IDEAL_LASER, range_max=2.0),
         )
         n = min(len(looped.poses), steps)
         np.testing.assert_allclose(looped.poses[:n], direct.poses[:n], atol=1e-6)

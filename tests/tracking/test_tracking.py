@@ -16,7 +16,7 @@ from fuzzynav.robot import PIONEER_3DX, THESIS, TURTLEBOT2, limit, pose_rate, re
 from fuzzynav.tracking import curves, reference
 from fuzzynav.tracking.kernels import _limit, limits_of
 from fuzzynav.tracking.tracker import NO_RATES
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 EIGHT = reference.FigureEight()
 SHORT = reference.FigureEight(duration=30.0)

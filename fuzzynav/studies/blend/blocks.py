@@ -5,6 +5,7 @@ Case n is the block of seed n. Seeds from 100 000 on served to try the safe sche
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -20,7 +21,7 @@ from fuzzynav.data import folder
 from fuzzynav.geometry import Array
 from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.reference import FigureEight
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 __all__ = [
     "BLOCK_CASES",
@@ -35,8 +36,6 @@ __all__ = [
     "mover_of",
     "one_block",
     "one_mover",
-    "run_blocks",
-    "run_movers",
     "summary",
 ]
 
@@ -190,11 +189,12 @@ def one_mover(seed: int) -> list[dict[str, Any]]:
 
 def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[str, Any]:
     """One lap with the mover and, if nothing was touched, the lap behind it without."""
-    sensing = simulate.Sensing(beams=180, range_max=2.0, velocities=True)
+    laser = replace(simulate.IDEAL_LASER, beams=180, range_max=2.0)
     lap, loop = round(blend.LAP / 0.1), simulate.Loop(stall_time=1e5)
     start, far = law.rows[0, [0, 1, 6]], [90.0, 90.0]
     law.reset()
-    first = simulate.run(world, TURTLEBOT2, _Lap(law, lap), start, far, t_max=400.0, sensors=sensing, loop=loop)
+    sensing: dict[str, Any] = {"laser": laser, "track_movers": True, "loop": loop}
+    first = simulate.run(world, TURTLEBOT2, _Lap(law, lap), start, far, t_max=400.0, **sensing)
     row = {
         "status": first.status,
         "standing": first.contacts_standing,
@@ -206,9 +206,7 @@ def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[s
     if first.status != "reached" or first.contacts_standing:
         return row
     until = 2 * lap - 1 if isinstance(law, blend.SafeBlend) else lap  # the printed one reads the clock, from 0 anew
-    second = simulate.run(
-        World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], far, t_max=200.0, sensors=sensing, loop=loop
-    )
+    second = simulate.run(World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], far, t_max=200.0, **sensing)
     gap = np.concatenate([first.log["gap"], second.log["gap"]])
     weight = np.concatenate([first.log["weight"], second.log["weight"]])
     active = np.flatnonzero(weight > 0.0)
@@ -218,16 +216,6 @@ def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[s
 
 
 # --- the studies -------------------------------------------------------------------------------
-
-
-def run_blocks() -> None:
-    """Drive every scheme past 1000 blocks; writes data/results/avoidance_blocks.csv."""
-    batch.run(one_block, BLOCK_CASES, path=RESULTS / "avoidance_blocks.csv")
-
-
-def run_movers() -> None:
-    """Drive the printed and the safe blend past 200 patrols; writes data/results/avoidance_movers.csv."""
-    batch.run(one_mover, MOVER_CASES, path=RESULTS / "avoidance_movers.csv")
 
 
 def summary(name: str = "blocks") -> Any:

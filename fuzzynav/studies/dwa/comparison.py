@@ -18,10 +18,10 @@ from fuzzynav.data import folder
 from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.fast import Drive, drive, shipped
 from fuzzynav.dwa.steps import CHAPTER_3, CHAPTER_4, Params
-from fuzzynav.fuzzy.compiled import Tables
+from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "CASES",
@@ -43,9 +43,6 @@ __all__ = [
     "penalised",
     "penalised_gain",
     "random_map",
-    "run_comparison",
-    "run_fixed_search",
-    "run_tuned_comparison",
     "score_weights",
 ]
 
@@ -180,26 +177,11 @@ def best_fixed() -> tuple[float, float, float]:
     return a, b, c
 
 
-def run_fixed_search() -> None:
-    """Search the best fixed weights; writes data/results/dwa_fixed_search.csv."""
-    batch.run(score_weights, fixed_weights(), path=RESULTS / "dwa_fixed_search.csv")
-
-
-def run_comparison() -> None:
-    """Compare all methods on 500 maps for each density; writes data/results/dwa_comparison.csv."""
-    batch.run(compare, CASES, path=RESULTS / "dwa_comparison.csv")
-
-
-def run_tuned_comparison() -> None:
-    """The tuned rule base on the same maps; writes data/results/dwa_comparison_tuned.csv."""
-    batch.run(compare_tuned, CASES, path=RESULTS / "dwa_comparison_tuned.csv")
-
-
 def comparison(scored: str = "arc") -> pd.DataFrame:
     """The stored comparison, for one way of scoring the distance; the base was tuned for the way along the arc."""
     names = ("dwa_comparison", "dwa_comparison_tuned")
     table = pd.concat([batch.read(RESULTS / f"{name}.csv") for name in names], ignore_index=True)
-    return table[table["scored"] == scored].drop(columns="scored")
+    return table[table["scored"] == scored].drop(columns="scored").astype({"density": float})
 
 
 def penalised_gain(table: pd.DataFrame, first: str, second: str) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Chapter 5, tracking: the printed numbers, measured. What meets an obstacle stands in `chapter_5_avoidance`."""
+"""Thesis 5, tracking: the printed numbers, measured. What meets an obstacle stands in `studies.blend`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 
 from fuzzynav import batch, tracking
 from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot
-from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
 from fuzzynav.studies.tracking import rivals
 from fuzzynav.tracking.reference import FigureEight
 
@@ -145,9 +146,24 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     ),
 )
 
+_GAINS = ("results/tracking_gains.csv",)
+_MPC = {"MPC": (2e-2, 1e-6)}  # its solver stops at a residual
+
 STUDIES: tuple[Study, ...] = (
-    Study("tracking_gains", rivals.run_tuning),
-    Study("tracking_rivals", rivals.run_rivals),
-    Study("tracking_time", rivals.run_times),
-    Study("tracking_observers", rivals.run_observers),
-)
+    Study(
+        name="tracking_gains", experiment=rivals.tune, cases=tuple(rivals.CONTESTANTS), row=rivals.score_again,
+        tolerance={"": (1e-3, 1e-6), **_MPC}, parameters={"trials": rivals.POPULATION * rivals.GENERATIONS},
+    ),
+    Study(
+        name="tracking_rivals", experiment=rivals.compare, cases=rivals.RIVAL_CASES, inputs=_GAINS,
+        tolerance={"": (1e-3, 1e-6), **_MPC}, parameters={"seeds": f"0 to {rivals.SEEDS - 1}", "seconds": rivals.HALF},
+    ),
+    Study(
+        name="tracking_time", experiment=rivals.wall_time, cases=tuple(rivals.CONTESTANTS), inputs=_GAINS,
+        timed=("microseconds", "rate"), parameters={"runs": 5},
+    ),
+    Study(
+        name="tracking_observers", experiment=rivals.observe, cases=rivals.OBSERVER_CASES,
+        tolerance={"": (1e-2, 1e-6)}, parameters={"noises": list(rivals.NOISES), "seeds": "0 to 19"},
+    ),
+)  # fmt: skip

@@ -26,17 +26,16 @@ __all__ = [
     "EIGHT",
     "NOISES",
     "OBSERVERS",
+    "OBSERVER_CASES",
     "RESULTS",
+    "RIVAL_CASES",
     "Contestant",
     "bounds_table",
     "build",
     "compare",
     "observe",
-    "run_observers",
-    "run_rivals",
-    "run_times",
-    "run_tuning",
     "score",
+    "score_again",
     "start_pose",
     "trainee",
     "tune",
@@ -173,17 +172,19 @@ def tune(method: str) -> list[dict[str, Any]]:
     ]
 
 
-def run_tuning() -> None:
-    """Tune every law with the same budget; writes data/results/tracking_gains.csv."""
-    batch.run(tune, list(CONTESTANTS), path=RESULTS / "tracking_gains.csv")
-
-
 @cache
 def tuned(method: str) -> dict[str, float]:
     """Tuned values of a contestant. Raises FileNotFoundError where the tuning has not been run."""
     table = batch.read(RESULTS / "tracking_gains.csv")
     mine = table[table["case"] == method]
     return dict(zip(mine["parameter"], mine["value"].astype(float), strict=True))
+
+
+def score_again(method: str, which: int) -> dict[str, Any]:
+    """One row of the tuning without the search: the values it found, scored anew."""
+    parameter, value = list(tuned(method).items())[which]
+    worth = round(score(build(method, PRACTICE, tuned(method))), 6)
+    return {"parameter": parameter, "value": value, "score": worth, "trials": POPULATION * GENERATIONS}
 
 
 @cache
@@ -211,13 +212,6 @@ def compare(case: str) -> list[dict[str, Any]]:
             }
         )
     return rows
-
-
-def run_rivals() -> None:
-    """Compare the tuned laws on 200 seeds; writes data/results/tracking_rivals.csv."""
-    run_tuning()
-    cases = [f"{method}/{seed}" for method in CONTESTANTS for seed in range(SEEDS)]
-    batch.run(compare, cases, path=RESULTS / "tracking_rivals.csv")
 
 
 def bounds_table(table: pd.DataFrame, quantity: str = "late_max", level: float = 0.95) -> pd.DataFrame:
@@ -250,12 +244,7 @@ def wall_time(method: str) -> dict[str, Any]:
     return {"microseconds": round(1e6 * min(medians), 1), "rate": round(EIGHT.duration / min(spans))}
 
 
-def run_times() -> None:
-    """Time every law on this machine; writes data/results/tracking_time.csv."""
-    run_tuning()
-    batch.run(wall_time, list(CONTESTANTS), path=RESULTS / "tracking_time.csv")
-
-
+RIVAL_CASES = tuple(f"{method}/{seed}" for method in CONTESTANTS for seed in range(SEEDS))
 NOISES = (0.002, 0.005, 0.01, 0.02, 0.05)  # [m]
 OBSERVERS: dict[str, Callable[[float], tracking.Observer | None]] = {
     "kinematics (2.14)": lambda noise: None,
@@ -263,6 +252,7 @@ OBSERVERS: dict[str, Callable[[float], tracking.Observer | None]] = {
     "Luenberger": lambda noise: tracking.Luenberger(),
     "Kalman": lambda noise: tracking.Kalman(position_noise=noise),
 }
+OBSERVER_CASES = tuple(f"{name}/{noise}/{seed}" for name in OBSERVERS for noise in NOISES for seed in range(20))
 
 
 def observe(case: str) -> list[dict[str, Any]]:
@@ -273,12 +263,6 @@ def observe(case: str) -> list[dict[str, Any]]:
     disturbance = tracking.Disturbance(position_noise=noise, heading_noise=0.01)
     trace = tracking.follow(tracker, disturbance=disturbance, rng=int(seed))
     return [{"observer": name, "noise": noise, "rms": _short(trace.rms_distance), "effort": _short(trace.effort())}]
-
-
-def run_observers() -> None:
-    """Compare where DFL takes its derivatives from; writes data/results/tracking_observers.csv."""
-    cases = [f"{name}/{noise}/{seed}" for name in OBSERVERS for noise in NOISES for seed in range(20)]
-    batch.run(observe, cases, path=RESULTS / "tracking_observers.csv")
 
 
 def _short(value: float) -> float:
