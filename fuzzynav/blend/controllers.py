@@ -14,7 +14,7 @@ from fuzzynav.blend.rules import table_5_1
 from fuzzynav.blend.schemes import PrintedScheme, SafeScheme
 from fuzzynav.control import Controller, Observation
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.packing import Tables
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.dfl import Dfl

@@ -1,4 +1,4 @@
-"""Chapter 2 of the thesis, section 2.4: the example systems of notebook 03, which are ours, and the worked example.
+"""Thesis 2.4: the example systems of notebook 03, which are ours, and the worked example.
 
 The thesis prints no number in section 2.4. The one printed number that its methods can be held against is the worked
 example of the 27-rule planner.

@@ -1,4 +1,4 @@
-"""Chapter 4 of the thesis, global planning: the printed numbers of Table 4.2 and of eq 4.4, measured.
+"""Thesis 4, global planning: the printed numbers of Table 4.2 and of eq 4.4, measured.
 
 What concerns the dynamic window and the fusion of both planners stands in modules of their own.
 """

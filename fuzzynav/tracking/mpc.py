@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import osqp
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.linalg import solve_discrete_are
@@ -133,6 +132,8 @@ class _Problem:
         self.numbers, self.low, self.high = np.empty(15 * n), np.zeros(7 * n), np.zeros(7 * n)
         blocks = [w.q] * (n - 1) + [terminal] + [w.r] * n
         cost = sparse.triu(sparse.block_diag(blocks, format="csc"), format="csc")
+        import osqp  # here: only this law needs the solver
+
         self.solver = osqp.OSQP()
         wide = np.full(7 * n, 1e3)
         # fixed rho, no scaling: the answer then depends on the numbers alone, not on the clock or on earlier problems

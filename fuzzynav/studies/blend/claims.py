@@ -1,4 +1,4 @@
-"""Chapter 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
+"""Thesis 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Thesis chapter 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
+"""Thesis 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
 
 The thesis prints neither the map, nor start and goal, dt, d_max, robot radius, goal tolerance, or any membership
 breakpoint. Ours: random maps of 20 x 20 cells; the one shown is the map, among the maps searched, on which both
@@ -15,9 +15,10 @@ import numpy as np
 
 from fuzzynav import documents, simulate
 from fuzzynav.control import Observation
-from fuzzynav.dwa.decision import Controller, Field, Plan
-from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
-from fuzzynav.dwa.steps import CHAPTER_3
+from fuzzynav.dwa.controller import Controller
+from fuzzynav.dwa.decision import Field, Plan
+from fuzzynav.dwa.fast import RULES, drive, shipped
+from fuzzynav.dwa.steps import TABLE_3_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.robot import THESIS
@@ -44,7 +45,7 @@ __all__ = [
     "weight_words",
 ]
 
-AS_THESIS = replace(CHAPTER_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
+AS_THESIS = replace(TABLE_3_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
 CASE = "0.05/30136"  # found by the study dwa_scenes
 SCENES = tuple(f"{density}/{seed}" for seed in range(30000, 30250) for density in ("0.05", "0.10"))
 OURS = "map, start, goal, dt 0.1 s, radius 0.3 m, d_max 2 m, goal tolerance 0.5 m, breakpoints, default weights"
@@ -79,7 +80,7 @@ def _controller(fuzzy: bool, keep: bool) -> Controller:
 @cache
 def _run(fuzzy: bool) -> tuple[Run, tuple[Plan, ...]]:
     controller = _controller(fuzzy, keep=True)
-    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, sensors=BLIND)
+    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, laser=None)
     return run, tuple(controller.plans)
 
 

@@ -1,4 +1,4 @@
-"""Chapter 3 of the thesis, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
+"""Thesis 3, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
 
 What concerns the dynamic window stands in `chapter_3_dwa`.
 """

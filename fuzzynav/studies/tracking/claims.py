@@ -1,4 +1,4 @@
-"""Chapter 5, tracking: the printed numbers, measured. What meets an obstacle stands in `chapter_5_avoidance`."""
+"""Thesis 5, tracking: the printed numbers, measured. What meets an obstacle stands in `studies.blend`."""
 
 from __future__ import annotations
 
