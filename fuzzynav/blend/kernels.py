@@ -339,7 +339,7 @@ def lap(
         log.braked, log.clearance, log.predicted = mind.braked, clearance, mind.predicted
         if clearance <= 0.0:
             return i + 1
-    return made.commands.shape[0]
+    return len(made.commands)
 
 
 def _warm() -> None:

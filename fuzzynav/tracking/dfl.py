@@ -226,7 +226,7 @@ def virtual_inputs(z: ArrayLike, z_ref: ArrayLike, u_ref: ArrayLike, gains: Flat
     Source: thesis eq 2.23, 2.25, 5.1.
     """
     gap = np.asarray(z_ref, dtype=float) - np.asarray(z, dtype=float)
-    return np.asarray(np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T
+    return np.asarray(np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T)
 
 
 def compensate(v: float, u: ArrayLike, theta: float, dt: float) -> tuple[float, float]:

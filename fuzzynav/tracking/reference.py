@@ -200,7 +200,7 @@ class Moved(Reference):
     def flat(self, t: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)` of the moved trajectory."""
         c, s = np.cos(self.pose[2]), np.sin(self.pose[2])
-        turned = self.inner.flat(t) @ np.array([[c, s], [-s, c]])
+        turned = np.asarray(self.inner.flat(t) @ np.array([[c, s], [-s, c]]))
         turned[..., 0, :] += self.pose[:2]
         return turned
 

@@ -656,7 +656,7 @@ def test_mpc_brakes_where_the_reference_is_out_of_reach_and_prints_nothing(pose:
     command, after = tracker.step(tracker.start(), pose, tracker.row(0.0))
     assert after.outcome == "out of reach"
     assert np.array_equal(command, [0.0, 0.0])
-    near, after = tracker.step(tracker.start(), [10.0, 0.0, 0.0], tracker.row(0.0))
+    near, after = tracker.step(tracker.start(), [2.0, 0.0, 0.0], tracker.row(0.0))
     assert after.outcome == "solved"
     assert abs(near[0]) < TURTLEBOT2.max_vel_x + 0.02
     assert capfd.readouterr() == ("", "")
