@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,11 +17,11 @@ from fuzzynav.tracking.records import Records
 __all__ = ["PrintedScheme", "SafeScheme"]
 
 
-def filled(record: np.dtype[Any], values: object, **more: float) -> Records:
+def filled(record: np.dtype[Any], values: object, more: Mapping[str, float] | None = None) -> Records:
     """An array of one record with the fields of an object, and what is given beside them."""
     made = np.zeros(1, record)
     for name in record.names or ():
-        made[name] = more[name] if name in more else getattr(values, name)
+        made[name] = more[name] if more and name in more else getattr(values, name)
     return made
 
 
@@ -85,4 +86,4 @@ class SafeScheme:
     def record(self, system: FuzzySystem, radius: float) -> Records:
         """The values as the kernels read them, with the reach of the rule base and the robot's radius [m]."""
         floor, ceiling = reach_of(system)
-        return filled(SAFE, self, floor=floor, ceiling=ceiling, radius=radius)
+        return filled(SAFE, self, {"floor": floor, "ceiling": ceiling, "radius": radius})

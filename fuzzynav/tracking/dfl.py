@@ -184,7 +184,7 @@ class FlatGains:
                 f"dt = {setting.dt:g} s is too large for these gains: the sampled loop is stable below "
                 f"{largest_step(self):.3g} s; shorten dt or lower the gains"
             )
-        return begin(setting, dfl=self)
+        return begin(setting, "dfl", self)
 
 
 class Dfl(FlatGains):

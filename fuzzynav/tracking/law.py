@@ -54,13 +54,12 @@ class State:
         return replace(self, memory=memory)
 
 
-def begin(setting: Setting, **law: object) -> State:
-    """First state of a law; `dfl=law` copies the fields of a law into its part of the record GAINS."""
+def begin(setting: Setting, name: str = "", law: object = None) -> State:
+    """First state of a law, whose fields are copied into the part `name` of the record GAINS."""
     gains, memory = np.zeros(1, GAINS), np.zeros(1, MEMORY)
-    for name, values in law.items():
-        for field in GAINS[name].names or ():
-            value = getattr(values, field)
-            gains[name][field] = np.nan if value is None else value
+    for field in (GAINS[name].names or ()) if name else ():
+        value = getattr(law, field)
+        gains[name][field] = np.nan if value is None else value
     memory["rate_x"] = memory["rate_y"] = np.nan
     memory["dt"], memory["lim"] = setting.dt, limits_of(setting.robot)
     return State(gains, memory)

@@ -72,7 +72,7 @@ class Kanayama:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, kanayama=self)
+        return begin(setting, "kanayama", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""
@@ -131,7 +131,7 @@ class Pid:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, pid=self)
+        return begin(setting, "pid", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""
@@ -171,7 +171,7 @@ class Sliding:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, sliding=self)
+        return begin(setting, "sliding", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""

@@ -217,9 +217,10 @@ def test_every_choice_changes_something(name: str) -> None:
         except ValueError:
             continue
         runs = [blend.drive(other, b).poses for b in blocks]
-        if any(len(a) != len(b) or np.abs(a - b).max() > 1e-9 for a, b in zip(base, runs, strict=True)):
-            return
-    pytest.fail(f"{name} has no effect")
+        moved = any(len(a) != len(b) or np.abs(a - b).max() > 1e-9 for a, b in zip(base, runs, strict=True))
+        if moved:
+            break
+    assert moved, f"{name} has no effect"
 
 
 # --- one step
