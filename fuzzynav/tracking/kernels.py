@@ -165,9 +165,10 @@ def law(code: int, gains: Any, memory: Any, pose: Array, row: Any) -> tuple[floa
 
 
 @njit(cache=True)
-def step(code: int, gains: Records, memory: Records, pose: Array, row: Records, out: Array) -> None:
-    """One step from Python: gains and memory are arrays of one record, row of none; changes memory and out (2,)."""
-    out[0], out[1] = law(code, gains[0], memory[0], pose, row[()])
+def step(code: int, gains: Records, memory: Records, after: Records, pose: Array, row: Records, out: Array) -> None:
+    """One step from Python: arrays of one record, the row of no dimension; fills the memory after it and out (2,)."""
+    after[0] = memory[0]
+    out[0], out[1] = law(code, gains[0], after[0], pose, row[()])
 
 
 @njit(cache=True)
@@ -239,7 +240,7 @@ def _warm() -> None:
     """Compile every law and the loop with the types used in practice."""
     gains, memory, rows, plant = np.ones(1, GAINS), np.ones(1, MEMORY), np.ones(3, ROW), np.ones(1, PLANT)
     gains["lqr"]["count"] = 1
-    step(KANAYAMA, gains, memory, np.zeros(3), np.asarray(rows[0]), np.zeros(2))
+    step(KANAYAMA, gains, memory, memory.copy(), np.zeros(3), np.asarray(rows[0]), np.zeros(2))
     given = Given(np.zeros((2, 3)), np.zeros((2, 2)), 0, False)
     run(KANAYAMA, gains, memory, rows, plant, given, Made(np.zeros((3, 3)), np.zeros((2, 2)), np.zeros((2, 2))))
     numbers, bounds = np.empty(30), np.zeros((3, 2))

@@ -67,6 +67,6 @@ def begin(setting: Setting, name: str = "", law: object = None) -> State:
 
 def stepped(code: int, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
     """One step of the compiled law `code`."""
-    memory, out = state.memory.copy(), np.zeros(2)
-    kernels.step(code, state.gains, memory, np.asarray(pose, dtype=float), np.asarray(row), out)
-    return out, State(state.gains, memory)
+    after, out = np.empty(1, MEMORY), np.zeros(2)
+    kernels.step(code, state.gains, state.memory, after, np.asarray(pose, dtype=float), np.asarray(row), out)
+    return out, State(state.gains, after)

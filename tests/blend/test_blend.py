@@ -243,7 +243,7 @@ def test_the_guard_brakes_before_the_margin_and_turns_to_free_ground() -> None:
     reach = 0.6**2 / TURTLEBOT2.dec_lim_x + 2.0 * 0.1 * 0.6  # what the held command drives while it looks
     assert guarded(scheme, ahead_of([0, 0], need + reach - 0.01), 0.6) == (0.0, pytest.approx(2.0 * 0.5), True)
     assert guarded(scheme, ahead_of([0, 0], need + reach + 0.01), 0.6) == (0.6, 0.0, False)
-    assert guarded(scheme, ahead_of([0, 0], need - 0.01), -0.2)[2] is False, "away from what is near already"
+    assert guarded(scheme, ahead_of([0, 0], need - 0.1), -0.2)[2] is False, "away from what is near already"
     assert guarded(replace(scheme, guard_turn=1.0), ahead_of([0, 0], need), 0.6)[1] == pytest.approx(0.5)
 
 

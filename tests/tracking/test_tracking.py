@@ -248,6 +248,15 @@ def test_a_reference_that_stops_and_reverses(law: tracking.Law) -> None:
         assert np.abs(trace.commands[standing]).max() < 1e-9
 
 
+@pytest.mark.parametrize("law", ALL, ids=name_of)
+def test_a_line_driven_backwards_is_found_again_from_both_sides(law: tracking.Law) -> None:
+    tracker = tracking.Tracker(reference.line((0.0, 0.0), 0.0, -0.3, 30.0), law)
+    for side in (0.1, -0.1):
+        trace = tracking.follow(tracker, [0.0, side, 0.1])
+        assert trace.poses[-1] == pytest.approx([-9.0, 0.0, 0.0], abs=1e-3)
+        assert trace.commands[-1] == pytest.approx([-0.3, 0.0], abs=1e-3)
+
+
 def test_a_start_facing_backwards_turns_instead_of_driving_the_curve_backwards() -> None:
     trace = tracking.follow(tracking.Tracker(EIGHT, tracking.Dfl()), [0.0, 0.0, np.arctan2(0.5, 1.0) + np.pi])
     assert trace.commands[:, 0].min() >= 0.0
