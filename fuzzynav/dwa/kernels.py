@@ -258,9 +258,7 @@ def _rate(
 
 
 @njit(cache=True)
-def _around(
-    samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Array, lim: Any, settings: Any
-) -> Ground:
+def _around(samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Array, lim: Any, settings: Any) -> Ground:
     """What lies within reach of the samples; sensed: points, border of what was seen, its radii, number of gaps' ones.
 
     Within reach is what the fastest sample could meet before it stands, or what could be scored.

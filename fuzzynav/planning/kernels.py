@@ -119,7 +119,7 @@ def _distance(dx: int, dy: int, ends: Ends, rules: Rules) -> int:
 
 
 @njit(cache=True)
-def _estimate(dx: int, dy: int, ends: Ends, rules: Rules) -> int:
+def estimate(dx: int, dy: int, ends: Ends, rules: Rules) -> int:
     """Heuristic [1e-12 cell] times its weight, and times e^P with P as `heuristics.distance_scale`."""
     h = _distance(dx, dy, ends, rules)
     if rules.by_distance:
@@ -165,7 +165,7 @@ def search(state: Bytes, four: Four, choices: Choices) -> tuple[bool, Short]:
     """
     ends, rules = Ends(*four), Rules(*choices)
     start = _place(ends.start_x, ends.start_y, state.shape[1])
-    h = _estimate(ends.goal_x - ends.start_x, ends.goal_y - ends.start_y, ends, rules)
+    h = estimate(ends.goal_x - ends.start_x, ends.goal_y - ends.start_y, ends, rules)
     waiting = opened(start, (h + _ROUND // 2) // _ROUND, h if rules.ties == LOW_H else 0)
     cost, order, count = np.empty(state.size, dtype=np.int64), np.empty(state.size, dtype=np.int32), 0
     cost[start] = 0
@@ -249,7 +249,7 @@ def _run(
             cost[child] = g
             flat[child] = d + 1
             dx, dy = ends.goal_x - cx, ends.goal_y - cy
-            h = _octile(dx, dy) if plain else _estimate(dx, dy, ends, rules)
+            h = _octile(dx, dy) if plain else estimate(dx, dy, ends, rules)
 
             # push it to the queue of its f, which may be new
             key, sub = (g + h + _ROUND // 2) // _ROUND, h if rules.ties == LOW_H else 0

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from fuzzynav.maps import Scenario
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.planning import astar, heuristics, plain
+from fuzzynav.planning import astar, heuristics, kernels, plain
 from fuzzynav.planning.astar import DIJKSTRA, EFFICIENT, ENHANCED, OPTIMAL, QUICK, TRADITIONAL, Options
 
 STEPS = [tuple(step) for step in heuristics.STEPS.tolist()]
@@ -511,7 +511,7 @@ def agree_with_the_plain_search(grid: GridMap, start, goal, options: Options) ->
     return result
 
 
-@pytest.mark.parametrize("options", SETTINGS, ids=str)
+@pytest.mark.parametrize("options", [*SETTINGS, replace(EFFICIENT, five_directions=False)], ids=str)
 def test_a_search_that_starts_inside_the_map_may_go_back_behind_its_start(options: Options) -> None:
     options = replace(options, safety_radius=0.0)
     rng = np.random.default_rng(21)
@@ -524,6 +524,16 @@ def test_a_search_that_starts_inside_the_map_may_go_back_behind_its_start(option
         result = agree_with_the_plain_search(GridMap(wall), (5, 6), (12, 6), options)
         behind += int((np.abs(result.expanded - (12, 6)).sum(axis=1) > 7).sum())
     assert behind > 0
+
+
+@pytest.mark.parametrize(
+    "options", [*SETTINGS, replace(EFFICIENT, weight=0.7), replace(ENHANCED, weight_by_distance=True)], ids=str
+)
+def test_the_compiled_heuristic_is_the_public_one_also_behind_the_start(options: Options) -> None:
+    ends, rules = kernels.Ends(5, 4, 9, 7), kernels.Rules(*options.choices(options.five_directions, 0.5))
+    for dx, dy in itertools.product(range(-12, 13, 3), repeat=2):  # |dx| + |dy| to 24, from the start it is 7
+        compiled = kernels.estimate(dx, dy, ends, rules)
+        assert compiled * 1e-12 == pytest.approx(estimate((dx, dy), (4, 3), options, 0.5), rel=1e-12, abs=1e-11)
 
 
 CHOICES = {
