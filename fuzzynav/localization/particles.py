@@ -17,7 +17,7 @@ from fuzzynav.localization.kalman import Belief, MotionNoise, sample_motions
 from fuzzynav.maps.gridmap import GridMap, cells_across
 from fuzzynav.maps.kernels import Record, framed
 from fuzzynav.robot import move
-from fuzzynav.sensors.scene import Scan
+from fuzzynav.sensors import Scan
 
 __all__ = [
     "LikelihoodField",

@@ -12,7 +12,21 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 
-__all__ = ["LIMITS", "PLANT", "arc", "arcs", "clip", "drive", "euler", "limit", "limits", "reach", "reaches", "wrap"]
+__all__ = [
+    "LIMITS",
+    "PLANT",
+    "arc",
+    "arcs",
+    "chain",
+    "clip",
+    "drive",
+    "euler",
+    "limit",
+    "limits",
+    "reach",
+    "reaches",
+    "wrap",
+]
 
 LIMITS = np.dtype(
     (
@@ -79,6 +93,14 @@ def arcs(poses: Array, commands: Array, times: Array, out: Array) -> None:
     for i in range(out.shape[0]):
         x, y, theta = arc(poses[i, 0], poses[i, 1], poses[i, 2], commands[i, 0], commands[i, 1], times[i])
         out[i, 0], out[i, 1], out[i, 2] = x, y, theta
+
+
+@njit(cache=True)
+def chain(poses: Array, motions: Array) -> None:
+    """Fill poses 1 to n from pose 0 and motions `(n, 2)` of advance [m] and turn [rad], arc after arc."""
+    for i in range(motions.shape[0]):
+        x, y, theta = arc(poses[i, 0], poses[i, 1], poses[i, 2], motions[i, 0], motions[i, 1], 1.0)
+        poses[i + 1, 0], poses[i + 1, 1], poses[i + 1, 2] = x, y, theta
 
 
 @njit(cache=True)
@@ -151,6 +173,7 @@ def _warm() -> None:
     still, out = np.zeros((1, 2)), np.empty((1, 3))
     for poses in (np.zeros((1, 3)), np.broadcast_to(np.zeros(3), (1, 3))):
         arcs(poses, still, np.ones(1), out)
+    chain(np.zeros((2, 3)), still)
     reaches(still, robot, 0.1, still.copy(), still.copy())
     limits(still.copy(), still, robot, 0.1)
     euler(0.0, 0.0, 0.0, 1.0, 0.0, 0.1)

@@ -32,8 +32,8 @@ from fuzzynav.localization.particles import (
 )
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import move
+from fuzzynav.sensors import Laser, Scan, dead_reckon, laser_scan
 from fuzzynav.sensors.cameras import Camera
-from fuzzynav.sensors.scene import Laser, Scan, dead_reckon, laser_scan
 from fuzzynav.world import World
 
 __all__ = [

@@ -155,7 +155,7 @@ def _shapes(values: ArrayLike, name: str, width: int) -> Array:
     """Rows of `width` finite numbers with positive sizes, or a ValueError that names the field."""
     array = np.array(values, dtype=float)
     if array.size == 0:
-        return np.zeros((0, width))
+        return np.asarray(_locked(np.zeros((0, width))))
     if array.ndim != 2 or array.shape[1] != width:
         raise ValueError(f"{name} must have rows of {width} numbers, got shape {array.shape}")
     sizes = array[:, 2:3] if width == 3 else array[:, 2:4]

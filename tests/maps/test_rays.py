@@ -15,7 +15,7 @@ INF = Fraction(10**9)
 HANGING = """
 import numpy as np
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 occupied = np.zeros((20, 20), dtype=bool)
 occupied[12, 4:8] = True
 angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)
