@@ -129,7 +129,7 @@ def test_pictures_of_runs_and_diagrams() -> None:
     figure, axes = plt.subplots(2, 4)
     driven, part = plot.draw_blend_path(axes[0, 0], run, claims.SIMULATION_BLOCK)
     assert len(driven.get_xdata()) == len(run.poses)
-    assert np.isfinite(part.get_xdata()).sum() == (run.weight > 0).sum()
+    assert np.isfinite(part.get_xdata()).sum() == (run.log["weight"] > 0).sum()
     assert len(plot.draw_blend_errors(axes[0, 1], run)) == 3
     assert len(plot.draw_blend_speeds(axes[0, 2], run)) == 2
     assert len(plot.draw_weight(axes[0, 3], run)) == 2
