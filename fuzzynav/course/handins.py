@@ -20,7 +20,7 @@ from fuzzynav.course.reader import all_exercises
 __all__ = ["Choice", "Reference", "choose", "hand_ins", "read_cells", "references"]
 
 LARGEST = 50_000_000  # bytes of a notebook that is opened
-LEFT_OUT = ("backup", "__MACOSX", "solutions")
+LEFT_OUT = ("backup", "__MACOSX")
 NUMBER = re.compile(r"(?<![0-9A-Za-z])\d\d[ab]?_")  # what the name of a notebook of the course begins with
 CANVAS = re.compile(r"(?P<name>.+?)_(?:late_)?(?P<user>\d+)_\d+_(?P<file>.+)", re.I)
 
@@ -62,7 +62,7 @@ def hand_ins(handed_in: Path) -> dict[str, list[Path]]:
     """
     if not handed_in.is_dir():
         raise FileNotFoundError(f"there is no folder {handed_in.name}; it must hold one folder for each student")
-    folders = sorted(p for p in handed_in.iterdir() if p.is_dir() and p.name[0] != "." and p.name not in LEFT_OUT)
+    folders = sorted(p for p in handed_in.iterdir() if p.is_dir() and p.name[0] != "." and p.name != "__MACOSX")
     found = {folder.name: _notebooks(folder) for folder in folders}
     for path in sorted(handed_in.glob("*.ipynb")):
         found.setdefault(_student_of(path), []).append(path)

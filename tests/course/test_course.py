@@ -239,14 +239,22 @@ def small_course(tmp_path, monkeypatch):
     sys.modules.pop("fuzzynav.course.exercises.ch98", None)
 
 
+@pytest.fixture
+def whole_course(small_course):
+    """The small course with the real data, which the chapters' checks read when they are imported."""
+    shutil.rmtree(small_course / "data")
+    (small_course / "data").symlink_to(HOME / "data")
+    return small_course
+
+
 def hand_in(folder: Path, student: str, book: nbformat.NotebookNode) -> None:
     (folder / student).mkdir(parents=True)
     nbformat.write(book, folder / student / "98_double.ipynb")
 
 
-def test_grading_is_fair_to_everyone(small_course, tmp_path):
+def test_grading_is_fair_to_everyone(whole_course, tmp_path):
     folder = tmp_path / "in"
-    handout = write_handout(small_course, tmp_path / "handout")
+    handout = write_handout(whole_course, tmp_path / "handout")
     hand_in(folder, "ann", nbformat.read(handout / "notebooks" / "98_double.ipynb", 4))
     hand_in(folder, "bob", notebook(SOLUTIONS))
     trouble = notebook(
@@ -264,7 +272,7 @@ def test_grading_is_fair_to_everyone(small_course, tmp_path):
     (folder / "dan").mkdir()
     (folder / "eve").mkdir()
     (folder / "eve" / "98_double.ipynb").write_text("{ cut in the mid")
-    found = {(g.student, g.exercise[-1]): g for g in grade_folder(small_course, folder, seconds=12, jobs=2)}
+    found = {(g.student, g.exercise[-1]): g for g in grade_folder(whole_course, folder, seconds=12, jobs=2)}
     assert len(found) == 25
     assert [found["ann", k].points for k in "12345"] == [0] * 5
     assert found["ann", "1"].sentence == "Exercise 98.1: not answered yet."
@@ -278,7 +286,7 @@ def test_grading_is_fair_to_everyone(small_course, tmp_path):
     assert "cannot be read" in found["eve", "1"].sentence
 
 
-def test_grade_command_writes_a_table(small_course, tmp_path, capsys):
+def test_grade_command_writes_a_table(whole_course, tmp_path, capsys):
     hand_in(tmp_path / "in", "bob", notebook(SOLUTIONS))
     assert main(["grade", str(tmp_path / "in"), "--out", str(tmp_path / "grades.csv")]) == 0
     with (tmp_path / "grades.csv").open() as stream:
@@ -336,12 +344,12 @@ CHEATS = {
 }
 
 
-def test_no_cheat_raises_points_or_reaches_others(small_course, tmp_path):
+def test_no_cheat_raises_points_or_reaches_others(whole_course, tmp_path):
     for name, source in CHEATS.items():
         hand_in(tmp_path / "in", name, notebook({1: source, 5: source}))
     hand_in(tmp_path / "in", "zoe", notebook(SOLUTIONS))
     points: dict[str, int] = {}
-    for grade in grade_folder(small_course, tmp_path / "in", seconds=30, jobs=2):
+    for grade in grade_folder(whole_course, tmp_path / "in", seconds=30, jobs=2):
         points[grade.student] = points.get(grade.student, 0) + grade.points
     assert points == {**dict.fromkeys(CHEATS, 0), "zoe": 15}
 
@@ -356,12 +364,12 @@ def test_changed_files_of_the_course_are_put_back(tmp_path):
     assert "put back: a.py" in noted.remark
 
 
-def test_floods_and_children_are_ended_and_late_answers_count(small_course, tmp_path):
+def test_floods_and_children_are_ended_and_late_answers_count(whole_course, tmp_path):
     child = "import subprocess, sys\nsubprocess.Popen([sys.executable, '-c', 'import time; time.sleep(3217)'])"
     late = notebook({1: "while True:\n    print('x' * 1000)", 2: child})
     late.cells += [code(SOLUTIONS[3]), code("def f4(x):\n    return 2 * x")]
     hand_in(tmp_path / "in", "lea", late)
-    grades = {g.exercise: g for g in grade_folder(small_course, tmp_path / "in", seconds=40)}
+    grades = {g.exercise: g for g in grade_folder(whole_course, tmp_path / "in", seconds=40)}
     assert "printed more than 2 MB" in grades["98.1"].sentence
     assert [grades[f"98.{k}"].points for k in range(1, 6)] == [0, 0, 3, 4, 0]
     assert not [p for p in psutil.process_iter(["cmdline"]) if "time.sleep(3217)" in str(p.info["cmdline"])]
