@@ -31,7 +31,7 @@ __all__ = [
 ]
 
 LARGEST = 50_000_000  # cells of one map
-_ODDS = np.dtype([(name, np.float64) for name in ("hit", "miss", "low", "high", "reach")])
+_ODDS = np.dtype((np.record, [(name, "f8") for name in ("hit", "miss", "low", "high", "reach")]))
 
 
 def log_odds(chance: ArrayLike) -> Array:

@@ -20,7 +20,7 @@ Bytes = NDArray[np.uint8]
 Record = NDArray[np.void]
 
 EDGE = 1e-9  # [cells] two things nearer than this touch
-FRAME = np.dtype([("resolution", np.float64), ("x", np.float64), ("y", np.float64)])
+FRAME = np.dtype((np.record, [("resolution", "f8"), ("x", "f8"), ("y", "f8")]))
 
 
 def framed(resolution: float, origin: tuple[float, float]) -> Record:

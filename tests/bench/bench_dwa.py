@@ -124,7 +124,7 @@ def on_a_field():
 def runs():
     """Simulated seconds for one second of computing, open and compiled; runs per minute on two cores."""
     world, field = comparison._scene("0.05/3")
-    params = dwa.CHAPTER_4
+    params = dwa.TABLE_4_1
 
     def open_():
         controller = dwa.Controller(THESIS, params, field=field)

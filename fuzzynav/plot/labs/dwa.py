@@ -13,6 +13,7 @@ from fuzzynav import dwa
 from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Field, Params, Plan
 from fuzzynav.dwa.fast import drive, shipped
+from fuzzynav.dwa.weights import retuned
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.blit import Update
@@ -22,7 +23,7 @@ from fuzzynav.robot import THESIS, Robot
 from fuzzynav.simulate.record import Run
 from fuzzynav.world import World
 
-__all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "retuned", "weights_lab"]
+__all__ = ["dwa_scrubber", "fuzzy_sets_lab", "obstacle_lab", "weights_lab"]
 
 
 def dwa_scrubber(
@@ -32,7 +33,7 @@ def dwa_scrubber(
     plans: Sequence[Plan],
     world: World,
     robot: Robot = THESIS,
-    params: Params = dwa.CHAPTER_3,
+    params: Params = dwa.TABLE_3_3,
 ) -> Update:
     """Any moment of a run: the map with the candidate arcs, and the velocity window of that decision."""
     axes = figure.subplot_mosaic(
@@ -101,22 +102,6 @@ def weights_lab(figure: Figure, *, world: World, start: Sequence[float], goal: S
     return update
 
 
-def retuned(system: FuzzySystem, middles: dict[str, float], widths: dict[str, float]) -> FuzzySystem:
-    """The rule base with other triangles: for each input the peak of its middle set and the reach of all three.
-
-    A reach of 1 is the shipped overlap, where every set ends at its neighbour's peak.
-    """
-    changed = {}
-    for variable in system.inputs:
-        low, high = variable.low, variable.high
-        peak, reach = middles[variable.name], widths[variable.name]
-        left, right = reach * (peak - low), reach * (high - peak)
-        corners = ((low, low, low + left), (peak - left, peak, peak + right), (high - right, high, high))
-        for term, numbers in zip(variable.terms, corners, strict=True):
-            changed[variable.name, term.name] = numbers
-    return system.with_terms(changed)
-
-
 def fuzzy_sets_lab(figure: Figure, *, system: FuzzySystem) -> Update:
     """Nine sets by sliders, and the three weight surfaces over heading and speed at one obstacle distance."""
     axes = figure.subplots(2, 3, height_ratios=[1.0, 1.3])
@@ -156,7 +141,7 @@ def fuzzy_sets_lab(figure: Figure, *, system: FuzzySystem) -> Update:
     return update
 
 
-def obstacle_lab(figure: Figure, *, robot: Robot = THESIS, params: Params = dwa.CHAPTER_3) -> Update:
+def obstacle_lab(figure: Figure, *, robot: Robot = THESIS, params: Params = dwa.TABLE_3_3) -> Update:
     """A disc to drag before a robot that drives: arcs and window of the decision."""
     ax, plane = figure.subplots(1, 2, width_ratios=[1.4, 1.0])
     metric_axes(ax, (-0.8, 5.2, -2.2, 2.2))

@@ -15,9 +15,10 @@ import numpy as np
 
 from fuzzynav import documents, simulate
 from fuzzynav.control import Observation
-from fuzzynav.dwa.decision import Controller, Field, Plan
+from fuzzynav.dwa.controller import Controller
+from fuzzynav.dwa.decision import Field, Plan
 from fuzzynav.dwa.fast import RULES, drive, shipped
-from fuzzynav.dwa.steps import CHAPTER_3
+from fuzzynav.dwa.steps import TABLE_3_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.robot import THESIS
@@ -44,7 +45,7 @@ __all__ = [
     "weight_words",
 ]
 
-AS_THESIS = replace(CHAPTER_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
+AS_THESIS = replace(TABLE_3_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
 CASE = "0.05/30136"  # found by the study dwa_scenes
 SCENES = tuple(f"{density}/{seed}" for seed in range(30000, 30250) for density in ("0.05", "0.10"))
 OURS = "map, start, goal, dt 0.1 s, radius 0.3 m, d_max 2 m, goal tolerance 0.5 m, breakpoints, default weights"

@@ -16,11 +16,12 @@ from scipy import ndimage
 from fuzzynav import batch
 from fuzzynav.data import folder
 from fuzzynav.dwa.decision import Field
-from fuzzynav.dwa.fast import Drive, drive, shipped
-from fuzzynav.dwa.steps import CHAPTER_3, CHAPTER_4, Params
-from fuzzynav.fuzzy.packing import Tables
+from fuzzynav.dwa.fast import drive, shipped
+from fuzzynav.dwa.steps import TABLE_3_3, TABLE_4_1, Params
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import THESIS
+from fuzzynav.simulate.record import Run
 from fuzzynav.world import World
 
 __all__ = [
@@ -88,17 +89,17 @@ def _joined(grid: GridMap) -> bool:
 def methods() -> dict[str, tuple[Params, Tables | None]]:
     """The ways of weighting that are compared."""
     return {
-        "printed .8 .1 .1": (CHAPTER_3, None),
+        "printed .8 .1 .1": (TABLE_3_3, None),
         "equal": (Params(weights=(1 / 3, 1 / 3, 1 / 3)), None),
-        "chapter 4 .05 .2 .3": (CHAPTER_4, None),
+        "chapter 4 .05 .2 .3": (TABLE_4_1, None),
         "best fixed": (Params(weights=best_fixed()), None),
-        "fuzzy 9, else printed": (CHAPTER_3, shipped("thesis_table_3_2")),
+        "fuzzy 9, else printed": (TABLE_3_3, shipped("thesis_table_3_2")),
         "fuzzy 9, else mid-range": (Params(weights=MID_RANGE), shipped("thesis_table_3_2")),
-        "fuzzy 27": (CHAPTER_3, shipped("thesis_table_3_2_completed")),
+        "fuzzy 27": (TABLE_3_3, shipped("thesis_table_3_2_completed")),
     }
 
 
-def go(case: str, params: Params, rules: Tables | None) -> Drive:
+def go(case: str, params: Params, rules: Tables | None) -> Run:
     """One run of one method on one map."""
     world, field = _scene(case)
     return drive(world, START, GOAL, params, field=field, rules=rules, t_max=TIME_LIMIT)
@@ -134,12 +135,12 @@ def _row(case: str, name: str, params: Params, rules: Tables | None) -> dict[str
         "length": round(made.length, 3),
         "iterations": made.iterations,
         "clearance": round(made.min_clearance, 3),
-        "uncovered": made.uncovered,
+        "uncovered": int(made.log["uncovered"].sum()),
         "time": round(penalised(made), 1),
     }
 
 
-def penalised(made: Drive) -> float:
+def penalised(made: Run) -> float:
     """Time to the goal [s]; a run that does not arrive counts twice the limit."""
     return made.iterations * made.dt if made.status == "reached" else 2.0 * TIME_LIMIT
 

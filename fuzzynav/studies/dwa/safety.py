@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fuzzynav import simulate
-from fuzzynav.dwa.decision import Controller, Stuck
+from fuzzynav.dwa.controller import Controller, Stuck
 from fuzzynav.dwa.fast import drive
 from fuzzynav.dwa.steps import Params
 from fuzzynav.geometry import Array
@@ -108,7 +108,7 @@ def outcome(seed: int) -> dict[str, Any]:
         "contacts": int(made.status == "collided"),
         "clearance": round(made.min_clearance, 4),
         "iterations": made.iterations,
-        "braking": made.braking,
+        "braking": int(made.log["braking"].sum()),
         "metres": round(made.length, 2),
         "top_speed": round(float(np.abs(made.commands[:, 0]).max(initial=0.0)), 3),
     }

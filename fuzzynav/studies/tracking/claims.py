@@ -8,6 +8,7 @@ import numpy as np
 
 from fuzzynav import batch, tracking
 from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot
+from fuzzynav.simulate.record import Run
 from fuzzynav.studies.reproduction import Reproduction
 from fuzzynav.studies.study import Study
 from fuzzynav.studies.tracking import rivals
@@ -26,22 +27,22 @@ __all__ = [
 ]
 
 SIMULATION = FigureEight()
-GAINS = tracking.DflGains()
+GAINS = tracking.Dfl()
 EXPERIMENT = FigureEight(amplitude=1.25, duration=40.0 * np.pi)  # amplitude ours: it is not printed
 ODOMETRY = tracking.Disturbance(position_noise=0.003, heading_noise=0.01, slip=0.02, motor_lag=0.1)  # ours
 
 
 @cache
-def simulation_run() -> tracking.Trace:
+def simulation_run() -> Run:
     """The thesis' simulation: gains of table 5.2, Euler steps of 0.1 s, started on the curve at its speed."""
-    return tracking.follow(tracking.Dfl(SIMULATION, GAINS, TURTLEBOT2, dt=0.1), euler=True)
+    return tracking.follow(tracking.Tracker(SIMULATION, GAINS, TURTLEBOT2, dt=0.1), euler=True)
 
 
 @cache
-def experiment_run(seed: int = 1) -> tracking.Trace:
+def experiment_run(seed: int = 1) -> Run:
     """An imitation of the experiment: one lap of amplitude 1.25 m with noisy odometry, slip and motor lag."""
-    law = tracking.Dfl(EXPERIMENT, GAINS, PIONEER_3DX, dt=0.1)
-    return tracking.follow(law, disturbance=ODOMETRY, rng=seed)
+    tracker = tracking.Tracker(EXPERIMENT, GAINS, PIONEER_3DX, dt=0.1)
+    return tracking.follow(tracker, disturbance=ODOMETRY, rng=seed)
 
 
 def amplitude_for_length(length: float, duration: float) -> float:
