@@ -14,8 +14,8 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from fuzzynav.course.overview import chapters
 from fuzzynav.course.folders import course_root, write_whole
+from fuzzynav.course.overview import chapters
 from fuzzynav.plot.cover import save_cover
 from fuzzynav.published import Row, items, ledger, reproduced_items
 from fuzzynav.studies.reproduction import VERDICTS
