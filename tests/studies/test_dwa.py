@@ -1,5 +1,7 @@
 """Local planning in the long: the compiled loop, safety, the comparison, the tuned base, and what was printed."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,13 +18,16 @@ from fuzzynav.world.world import Mover, World
 
 def recompute(name: str, share: float = 0.01) -> list[str]:
     """A fixed share of a study's cases, spread over the file."""
-    cases = list(dict.fromkeys(batch.read(comparison.RESULTS / f"{name}.csv")["case"]))
-    return cases[:: max(int(1 / share), 1)]
+    return list(stored(name))[:: max(int(1 / share), 1)]
+
+
+@cache
+def stored(name: str) -> dict[str, list[dict]]:
+    return batch.sheet_of(comparison.RESULTS / f"{name}.csv").rows
 
 
 def rows_of(name: str, case: str) -> list[dict]:
-    table = batch.read(comparison.RESULTS / f"{name}.csv")
-    return table[table["case"] == case].drop(columns="case").to_dict("records")
+    return stored(name)[case]
 
 
 def alike(stored: dict, fresh: dict) -> bool:
