@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import re
 import sys
 from collections import Counter
 from pathlib import Path
@@ -17,22 +16,19 @@ from fuzzynav.course.chapters import chapters
 from fuzzynav.course.folders import course_root, write_whole
 from fuzzynav.plot.cover import save_cover
 from fuzzynav.published import ledger
+from fuzzynav.studies.reproduction import MEANING, VERDICTS
 
 __all__ = ["bench_table", "ledger_table", "rendered"]
 
-SHOWN = ("reproduced", "direction holds", "not reproduced", "contradicts itself", "not testable", "not yet")
-
 
 def ledger_table() -> str:
-    """Markdown: how many claims of each source have each verdict."""
+    """Markdown: how many claims of each document have each verdict, and what the verdicts mean."""
     counts: dict[str, Counter[str]] = {}
     for row in ledger():
-        document, _, name = row.source.partition(":")
-        chapter = re.search(r"\d", name) if document == "thesis" else None
-        counts.setdefault(f"thesis, chapter {chapter[0]}" if chapter else document, Counter())[row.verdict] += 1
-    head = "| source | " + " | ".join(SHOWN) + " |\n|---|" + "---:|" * len(SHOWN) + "\n"
-    lines = [f"| {name} | " + " | ".join(str(c[v]) for v in SHOWN) + " |" for name, c in sorted(counts.items())]
-    return head + "\n".join(lines)
+        counts.setdefault(row.source.partition(":")[0], Counter())[row.verdict] += 1
+    head = "| document | " + " | ".join(VERDICTS) + " |\n|---|" + "---:|" * len(VERDICTS) + "\n"
+    lines = [f"| {name} | " + " | ".join(str(c[v]) for v in VERDICTS) + " |" for name, c in sorted(counts.items())]
+    return head + "\n".join(lines) + "\n\n" + "\n".join(f"- *{word}*: {text}" for word, text in MEANING.items())
 
 
 def bench_table(path: Path) -> str:
