@@ -6,24 +6,24 @@ The compiled steps stand in `avoidance`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.blend import kernels
 from fuzzynav.blend.points import MEMORY, _nearest_on, _remember
+from fuzzynav.control import Observation
 from fuzzynav.data import folder
 from fuzzynav.fuzzy import FuzzySystem
+from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.dfl import DflGains
 from fuzzynav.tracking.kernels import DFL
 from fuzzynav.tracking.reference import FigureEight, Reference
 from fuzzynav.tracking.tracker import Tracker
-from fuzzynav.world.world import Observation
 
 __all__ = [
     "LAP",
@@ -108,22 +108,18 @@ def rule_base(close: float = 0.5, far: float = 1.0, ahead: float = 1.0, peak: fl
     """
     if not (0.0 < close < far < 2.0 and 0.0 < ahead < 4.0 and 0.0 < peak < 1.0):
         raise ValueError(f"need 0 < close < far < 2, 0 < ahead < 4, 0 < peak < 1: {close}, {far}, {ahead}, {peak}")
-    shapes = {
-        "Close": (0.0, 0.0, close, far),
-        "Far": (close, far, 2.0, 2.0),
-        "Negative": (-4.0, -4.0, -ahead, 0.0),
-        "Zero": (-ahead, 0.0, ahead),
-        "Positive": (0.0, ahead, 4.0, 4.0),
-        "Little": (0.0, 0.0, peak),
-        "More": (0.0, peak, 1.0),
-        "Lots": (peak, 1.0, 1.0),
-    }
-    system = table_5_1()
-
-    def moved(variable: Any) -> Any:
-        return replace(variable, terms=tuple(replace(t, parameters=shapes[t.name]) for t in variable.terms))
-
-    return replace(system, inputs=tuple(map(moved, system.inputs)), outputs=tuple(map(moved, system.outputs)))
+    return table_5_1().with_terms(
+        {
+            ("distObs", "Close"): (0.0, 0.0, close, far),
+            ("distObs", "Far"): (close, far, 2.0, 2.0),
+            ("thetaObs", "Negative"): (-4.0, -4.0, -ahead, 0.0),
+            ("thetaObs", "Zero"): (-ahead, 0.0, ahead),
+            ("thetaObs", "Positive"): (0.0, ahead, 4.0, 4.0),
+            ("F", "Little"): (0.0, 0.0, peak),
+            ("F", "More"): (0.0, peak, 1.0),
+            ("F", "Lots"): (peak, 1.0, 1.0),
+        }
+    )
 
 
 def reach_of(system: FuzzySystem) -> tuple[float, float]:
@@ -143,12 +139,11 @@ def rescaled(weight: ArrayLike, system: FuzzySystem | None = None) -> Array:
     return np.clip((np.asarray(weight, dtype=float) - low) / (high - low), 0.0, 1.0)
 
 
-def _tables(system: FuzzySystem) -> tuple[Array, tuple[Array, ...]]:
+def _tables(system: FuzzySystem) -> Tables:
     """The rule base as the kernels read it. Raises ValueError unless it has two inputs and one output."""
     if len(system.inputs) != 2 or len(system.outputs) != 1:
         raise ValueError("the weight needs a rule base with two inputs, distance and bearing, and one output F")
-    prepared = system._tables()
-    return np.empty((0, prepared.n_terms)), prepared.arrays
+    return system.tables
 
 
 # --- what is chosen ----------------------------------------------------------------------------
@@ -249,7 +244,12 @@ class _Blend(Tracker):
         super().__init__(reference, (gains or DflGains()).vector, robot, dt)
         self.system = system or table_5_1()
         self.tables = _tables(self.system)
-        self.evidence: dict[str, float] = {}
+        self._evidence: dict[str, float] = {}
+
+    @property
+    def evidence(self) -> dict[str, float]:
+        """Numbers of the last step."""
+        return self._evidence
 
     @staticmethod
     def _points(observation: Observation) -> Array:
@@ -286,7 +286,7 @@ class PrintedBlend(_Blend):
         f = kernels._printed(
             self.scheme.vector, self.tables, points, len(points), np.asarray(observation.pose), track, out
         )
-        self.evidence = {"F": f}
+        self._evidence = {"F": f}
         return out
 
 
@@ -349,7 +349,7 @@ class SafeBlend(_Blend):
         kernels._limit(out, last, self.limits, self.dt)
         self.last = out.copy()
         m = self.mind
-        self.evidence = {
+        self._evidence = {
             "F": float(m[kernels.FUZZY]),
             "weight": float(m[kernels.WEIGHT]),
             "avoiding": float(m[kernels.LATCHED]),

@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.blend.points import MEMORY, _closest, _gap, _nearest_on, _remember, _sight
-from fuzzynav.fuzzy.engine import run as _infer
+from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.kernels import DFL, STATES, _clip, _law, _limit, _wrap, limits_of
 
 __all__: list[str] = []
@@ -46,10 +46,9 @@ __all__: list[str] = []
 @njit(cache=True)
 def _weight(tables: Any, distance: float, bearing: float) -> float:
     """F of a rule base for one distance [m] and bearing [rad]; 0 where no rule fires."""
-    points, value, none = np.empty((1, 2)), np.empty((1, 1)), np.empty((0, 0))
-    points[0, 0], points[0, 1] = distance, bearing
-    _infer(points, none, none, *tables[1], value, tables[0], none, none)  # type: ignore[call-arg]
-    return 0.0 if np.isnan(value[0, 0]) else _clip(value[0, 0], 0.0, 1.0)
+    point, value = np.array([distance, bearing]), np.empty(1)
+    infer_one(tables, point, value)
+    return 0.0 if np.isnan(value[0]) else _clip(value[0], 0.0, 1.0)
 
 
 @njit(cache=True)
@@ -358,15 +357,11 @@ def _drive(
 
 def _warm() -> None:
     """Compile both schemes and their loop with the types used in practice."""
-    from fuzzynav.fuzzy.compiled import tables
-    from fuzzynav.fuzzy.membership import Term
-    from fuzzynav.fuzzy.rules import Rule
-    from fuzzynav.fuzzy.variable import RuleBlock, Variable
+    from fuzzynav.fuzzy import FuzzySystem, Rule, RuleBlock, Variable, triangle
 
-    low = Term(name="Low", shape="triangle", parameters=(0, 0, 1))
-    d, b, f = (Variable(name=name, low=0, high=1, terms=(low,)) for name in "dbf")
-    prepared = tables((d, b), (f,), (RuleBlock(rules=(Rule.parse("if d is Low and b is Low then f is Low"),)),))
-    flat = np.empty((0, prepared.n_terms)), prepared.arrays
+    d, b, f = (Variable(name=name, low=0, high=1, terms=(triangle("Low", 0, 0, 1),)) for name in "dbf")
+    rules = RuleBlock(rules=(Rule.parse("if d is Low and b is Low then f is Low"),))
+    flat = FuzzySystem(name="warm", inputs=(d, b), outputs=(f,), blocks=(rules,)).tables
     rows = np.tile(np.array([0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]), (3, 1))
     P, p, scheme, lim = np.ones(19), np.ones(9), np.ones(5), limits_of(TURTLEBOT2)
     block, start, angles = np.array([1.0, 0.0, 0.2, 0.3, 0.0]), np.zeros(3), np.linspace(-3.0, 3.0, 9)

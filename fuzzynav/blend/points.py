@@ -10,7 +10,7 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 from fuzzynav.tracking.kernels import _clip, _wrap
-from fuzzynav.world.kernels import _rectangle_hits, _spacing
+from fuzzynav.world.kernels import rectangle_hits, spacing
 
 __all__: list[str] = []
 
@@ -92,7 +92,7 @@ def _sight(block: Array, pose: Array, angles: Array, reach: float) -> Array:
     beams[0] = pose[2] + angles
     beams[1], beams[2] = np.cos(beams[0]), np.sin(beams[0])
     ranges = np.full(angles.shape[0], reach)
-    _rectangle_hits(block.reshape(1, 5), pose[0], pose[1], beams, _spacing(angles), ranges)
+    rectangle_hits(block.reshape(1, 5), pose[0], pose[1], beams, spacing(angles), ranges)
     out, n = np.zeros((angles.shape[0], 4)), 0
     for i in range(angles.shape[0]):
         if ranges[i] < reach:

@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzynav.control import Observation
 from fuzzynav.dwa import kernels
 from fuzzynav.dwa.contact import _blind
 from fuzzynav.dwa.steps import (
@@ -39,8 +40,7 @@ from fuzzynav.dwa.steps import (
 )
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import Robot
-from fuzzynav.world.world import Observation
+from fuzzynav.robot import Robot
 
 __all__ = [
     "CHAPTER_3",

@@ -21,19 +21,19 @@ from fuzzynav.dwa.kernels import _plan, _reachable, _window
 from fuzzynav.dwa.steps import CHAPTER_3, Params, limits_of
 from fuzzynav.dwa.weights import INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.compiled import Tables, tables
-from fuzzynav.fuzzy.engine import run as _infer
+from fuzzynav.fuzzy.engine import infer_one
+from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
-from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.kernels import _clearance, _scan
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS, Robot
+from fuzzynav.sensors import Laser
+from fuzzynav.simulate.loop import Loop
+from fuzzynav.world import World
+from fuzzynav.world.kernels import clearance, scan
 
-__all__ = ["BLIND", "Drive", "drive", "shipped", "tables_of"]
+__all__ = ["Drive", "drive", "shipped", "tables_of"]
 
 RULES = folder("fuzzy")
 STATUS = ("timeout", "reached", "stalled", "collided")
-BLIND = Sensing(beams=0)  # no scanner: the field alone says what is in the way
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,7 +70,7 @@ def tables_of(system: FuzzySystem) -> Tables:
     named = tuple(v.name for v in system.inputs), tuple(v.name for v in system.outputs)
     if named != (INPUTS, OUTPUTS):
         raise ValueError(f"{system.name} maps {named[0]} to {named[1]}; needed: {INPUTS} to {OUTPUTS}, in this order")
-    return tables(system.inputs, system.outputs, system.blocks)
+    return system.tables
 
 
 @cache
@@ -88,18 +88,19 @@ def drive(
     field: Field | None = None,
     rules: Tables | None = None,
     robot: Robot = THESIS,
-    sensors: Sensing = BLIND,
+    laser: Laser | None = None,
     t_max: float = 120.0,
     loop: Loop | None = None,
 ) -> Drive:
     """Drive with fixed weights, or with those of `rules` and the parameters' weights where no rule fires.
 
-    The world must stand still, the sensors must be ideal, the footprint the disc. Movers, noise and a motor lag are for
+    laser None: the field alone says what is in the way. The world must stand still, the laser must be ideal, the
+    footprint the disc. Movers, noise and disturbances are for
     `simulate.run`: ValueError.
     """
     loop = loop or Loop()
-    plain = Sensing(beams=sensors.beams, field_of_view=sensors.field_of_view, range_max=sensors.range_max)
-    if world.movers or sensors != plain or loop.motor_lag or params.footprint or params.sampling != "closed":
+    faulty = laser is not None and (laser.noise or laser.dropout or laser.range_min)
+    if world.movers or faulty or params.footprint or params.sampling != "closed":
         raise ValueError("the compiled loop knows no movers, noise, motor lag, footprint or printed sampling")
     a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
     pose = a if a.size == 3 else np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]))
@@ -109,10 +110,10 @@ def drive(
     )
     known = (NO_FIELD, NO_FRAME) if field is None else (field.values, np.array([field.resolution, *field.origin]))
     switches = np.array([params.distance == "end", params.bound == "as_printed", rules is not None, params.blind])
-    numbers = np.array([given.n_terms, given.n_rules, len(given.slots), int(np.floor(t_max / params.dt + 1e-9))])
+    steps = int(np.floor(t_max / params.dt + 1e-9))
     weights = np.asarray(params.weights, dtype=float)
     poses, commands, used, clearance, status, uncovered, braking = _drive(
-        world._static,
+        world.scene,
         known,
         pose,
         b[:2].copy(),
@@ -120,27 +121,24 @@ def drive(
         params.settings,
         switches,
         weights,
-        given.arrays,
-        numbers,
+        given,
+        steps,
         ends,
-        sensors.angles,
-        sensors.range_max,
+        np.empty(0) if laser is None else laser.angles,
+        0.0 if laser is None else laser.range_max,
     )
     return Drive(poses, commands, used, clearance, STATUS[status], uncovered, braking, params.dt)
 
 
 @njit(cache=True)
-def _weights(inputs, nominal, arrays, counts, out):
+def _weights(inputs, nominal, tables, out):
     """Weights for one state into `out`; whether a rule fired."""
-    values, firing = np.empty((1, 3)), np.empty((1, counts[1]))
-    memberships, strengths = np.empty((1, counts[0])), np.empty((1, counts[2]))
-    before = (inputs.reshape(1, 3), np.empty((1, 0)), np.empty((0, 3)))
-    _infer(*(before + arrays + (values, memberships, firing, strengths)))
-    if firing.max() <= 0.0:
+    values = np.empty(3)
+    if infer_one(tables, inputs, values) <= 0.0:
         out[:] = nominal
         return False
     for k in range(3):
-        out[k] = max(values[0, k], 0.0) if np.isfinite(values[0, k]) else nominal[k]
+        out[k] = max(values[k], 0.0) if np.isfinite(values[k]) else nominal[k]
     return True
 
 
@@ -155,17 +153,16 @@ def _moved(pose, v, omega, dt):
 
 
 @njit(cache=True)
-def _least(static, pose, v, omega, dt, radius):
+def _least(scene, pose, v, omega, dt, radius):
     """Least clearance of the rim during a step, as the open loop looks for it."""
-    mask, cells, frame, bounds, discs, rectangles = static
     none, least = np.empty((0, 3)), np.inf
     after = _moved(pose, v, omega, dt)
-    end = _clearance(mask, cells, frame, bounds, discs, rectangles, none, after[:2].copy().reshape(1, 2))[0] - radius
+    end = clearance(scene, none, after[:2].copy().reshape(1, 2))[0] - radius
     if end > abs(v) * dt + 0.05:
         return end
     for u in (0.2, 0.4, 0.6, 0.8):
         between = _moved(pose, v, omega, u * dt)[:2].copy().reshape(1, 2)
-        least = min(least, _clearance(mask, cells, frame, bounds, discs, rectangles, none, between)[0] - radius)
+        least = min(least, clearance(scene, none, between)[0] - radius)
     return min(end, least)
 
 
@@ -183,9 +180,9 @@ def _stalled(poses, n, ends):
 
 
 @njit(cache=True)
-def _drive(static, known, start, goal, limits, settings, switches, nominal, arrays, numbers, ends, angles, range_max):
+def _drive(scene, known, start, goal, limits, settings, switches, nominal, tables, steps, ends, angles, range_max):
     """Poses, commands, weights, clearances, status, uncovered and braking steps."""
-    dt, steps = settings[0], numbers[3]
+    dt = settings[0]
     field, frame = known
     poses, commands, weights = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 3))
     clearances, w, pose = np.empty(steps), nominal.copy(), start.copy()
@@ -197,8 +194,8 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, arra
     for k in range(steps):
         nearest = np.inf
         if angles.size:
-            scan, _ = _scan(*(static + (np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)))
-            ranges, count = scan[0], 0
+            seen, _ = scan(scene, np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)
+            ranges, count = seen[0], 0
             points = np.empty((angles.size, 2))
             for i in range(angles.size):
                 if ranges[i] < range_max:
@@ -218,7 +215,7 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, arra
             bearing = (np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
             near = min(max(nearest - limits[6], 0.0), 15.0)
             inputs = np.array([min(abs(np.degrees(bearing)), 180.0), near, min(abs(v), 1.0)])
-            uncovered += not _weights(inputs, nominal, arrays, numbers, w)
+            uncovered += not _weights(inputs, nominal, tables, w)
         samples = _window(v, omega, limits, settings)
         _, _, _, _, _, best, _ = _plan(
             samples, pose, goal, points, border, radii, field, frame, corners, limits, settings, switches, w
@@ -227,7 +224,7 @@ def _drive(static, known, start, goal, limits, settings, switches, nominal, arra
         chosen = samples.shape[0] - 1 if best < 0 else best
         low, high, right, left = _reachable(v, omega, limits, dt)
         v, omega = min(max(samples[chosen, 0], low), high), min(max(samples[chosen, 1], right), left)
-        clearances[k] = _least(static, pose, v, omega, dt, limits[6])
+        clearances[k] = _least(scene, pose, v, omega, dt, limits[6])
         pose = _moved(pose, v, omega, dt)
         commands[k, 0], commands[k, 1] = v, omega
         weights[k], poses[k + 1] = w, pose
@@ -251,5 +248,5 @@ def _warm() -> None:
         (9.0, 9.0),
         t_max=0.2,
         field=Field(np.full((40, 40), 5.0), 0.25),
-        sensors=Sensing(beams=8),
+        laser=Laser(beams=8, range_min=0.0, noise=0.0),
     )

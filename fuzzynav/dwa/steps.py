@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzynav.dwa import kernels
 from fuzzynav.dwa.contact import _arc_contact, _near
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot, limit, move
+from fuzzynav.robot import Robot, limit, move
 
 __all__ = [
     "CHAPTER_3",

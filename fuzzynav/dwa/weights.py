@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Controller, Field, Stuck
 from fuzzynav.dwa.steps import CHAPTER_3, Params
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot
-from fuzzynav.world.world import Observation
+from fuzzynav.robot import Robot
 
 __all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "controller", "inputs_of"]
 

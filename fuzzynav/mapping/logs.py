@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzynav.geometry import Array
+from fuzzynav.geometry import Array, read_only
 
 __all__ = ["ScanLog", "killian", "parse_g2o", "read_g2o"]
 
@@ -29,7 +29,7 @@ class ScanLog:
     """Poses, measured motions between them, and one laser scan at each pose (no scans: zero beams).
 
     Pose `edges[k, 1]` was measured from pose `edges[k, 0]` as `motions[k]`, with the information (inverse
-    covariance) `information[k]`. A range is nan where the scanner reported none.
+    covariance) `information[k]`. A range is nan where the scanner reported none. The arrays are read-only.
     """
 
     poses: Array  # (n, 3) as stored in the file
@@ -39,6 +39,11 @@ class ScanLog:
     angles: Array  # (b,) [rad] in the body frame
     ranges: Array  # (n, b) [m]
     range_max: float  # [m]
+
+    def __post_init__(self) -> None:
+        for name in ("poses", "motions", "information", "angles", "ranges"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
+        object.__setattr__(self, "edges", read_only(self.edges, np.int64))
 
     @property
     def odometry_edges(self) -> NDArray[np.bool_]:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.maps.kernels import _clear
+from fuzzynav.maps.kernels import disc_passes
 
 __all__ = ["AnyAngle", "shortest"]
 
@@ -133,7 +133,7 @@ def _tangents(occupied: NDArray[np.bool_], nodes: Array, cones: Array, r: float)
                     nx, ny = -np.sin(heading), np.cos(heading)
                     ax, ay = nodes[a, 0] - sa * ra * nx, nodes[a, 1] - sa * ra * ny
                     bx, by = nodes[b, 0] - sb * rb * nx, nodes[b, 1] - sb * rb * ny
-                    if _clear(occupied, ax, ay, bx, by, r, False):
+                    if disc_passes(occupied, ax, ay, bx, by, r, False):
                         found.append((heading, gap * np.cos(turn), 2 * a + ka, 2 * b + kb))
     shape = np.empty((len(found), 2))
     numbers = np.empty((len(found), 2), dtype=np.int64)
@@ -149,7 +149,7 @@ def _arc(occupied: NDArray[np.bool_], x: float, y: float, side: float, heading: 
     for k in range(1, steps):
         at = heading + side * turn * k / steps
         px, py = x + side * r * np.sin(at), y - side * r * np.cos(at)
-        if not _clear(occupied, px, py, px, py, r, False):
+        if not disc_passes(occupied, px, py, px, py, r, False):
             return False
     return True
 

@@ -14,7 +14,7 @@ from fuzzynav.blend.controllers import FuzzyRun
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram, draw_path, metric_axes
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 
 __all__ = [
     "block_corners",

@@ -9,9 +9,10 @@ import numpy as np
 from fuzzynav import dwa, simulate
 from fuzzynav.plot.base import draw_path, draw_robot
 from fuzzynav.plot.blit import Blit
-from fuzzynav.plot.dwa import arc_mark, draw_run, draw_window
-from fuzzynav.robot.model import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.plot.dwa import arc_mark, draw_window
+from fuzzynav.plot.runs import draw_run
+from fuzzynav.robot import THESIS
+from fuzzynav.world import World
 
 __all__ = ["save_cover"]
 

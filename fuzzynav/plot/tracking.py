@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram, draw_path, draw_robot, metric_axes
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking import Trace, yaw_rate_unguarded
 from fuzzynav.tracking.reference import Reference
 

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
 
+from fuzzynav.control import Observation
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import DFL, FLATNESS
 from fuzzynav.tracking.observers import Observer
 from fuzzynav.tracking.reference import Reference, Sample
 from fuzzynav.tracking.tracker import Tracker
-from fuzzynav.world.world import Observation
 
 __all__ = [
     "CHAINS",

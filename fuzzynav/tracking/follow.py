@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot, wheel_speeds
+from fuzzynav.robot import TURTLEBOT2, Robot, wheel_speeds
 from fuzzynav.tracking.kernels import MPC, _drive, _limit, _run, limits_of
 from fuzzynav.tracking.tracker import Tracker, seen
 

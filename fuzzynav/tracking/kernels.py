@@ -11,7 +11,7 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 
 __all__ = ["limits_of"]
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import KANAYAMA, PID, SLIDING
 from fuzzynav.tracking.reference import Reference
 from fuzzynav.tracking.tracker import Tracker

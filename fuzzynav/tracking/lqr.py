@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import solve_continuous_are, solve_discrete_are
 
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import LQR, _sampled
 from fuzzynav.tracking.reference import Reference
 from fuzzynav.tracking.tracker import Tracker

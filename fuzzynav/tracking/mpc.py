@@ -11,7 +11,7 @@ from scipy import sparse
 from scipy.linalg import solve_discrete_are
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import MPC, _horizon
 from fuzzynav.tracking.lqr import LEAST_SPEED, Weights, sampled_model
 from fuzzynav.tracking.reference import Reference

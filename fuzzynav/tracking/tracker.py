@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2, Robot
+from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import REST, STATES, _law, limits_of
 from fuzzynav.tracking.observers import Observer
 from fuzzynav.tracking.reference import Reference
-from fuzzynav.world.world import Observation
 
 __all__ = ["Tracker", "seen"]
 
@@ -23,7 +23,7 @@ def seen(time: float, pose: Array, velocity: Array) -> Observation:
     return Observation(time=time, pose=pose, velocity=velocity, goal=NOWHERE, points=NOTHING)
 
 
-class Tracker:
+class Tracker(Controller):
     """A controller that follows a reference: `tracker(observation)` is the command, `reset()` forgets the run.
 
     The reference is tabulated once at the control step dt [s]; after its end the command is zero. Beneath lies

@@ -10,12 +10,13 @@ from hypothesis import strategies as st
 from fuzzynav import blend, simulate, tracking
 from fuzzynav.blend import controllers, points
 from fuzzynav.blend import kernels as avoidance
+from fuzzynav.control import Observation
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import TURTLEBOT2, respects_limits
+from fuzzynav.robot import TURTLEBOT2, respects_limits
 from fuzzynav.studies.blend.blocks import block_of
 from fuzzynav.tracking.reference import FigureEight
 from fuzzynav.tracking.tracker import seen
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 EIGHT = FigureEight(duration=blend.LAP)
 HALF = FigureEight(duration=blend.LAP / 2.0)
@@ -197,7 +198,7 @@ def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() ->
             direct.poses[0],
             [50, 50],
             t_max=0.1 * steps,
-            sensors=simulate.Sensing(range_max=2.0),
+            laser=replace(simulate.IDEAL_LASER, range_max=2.0),
         )
         n = min(len(looped.poses), steps)
         np.testing.assert_allclose(looped.poses[:n], direct.poses[:n], atol=1e-6)
@@ -268,7 +269,9 @@ def test_bad_scenes_are_refused() -> None:
     with pytest.raises(ValueError, match="positive sizes"):
         blend.drive(blend.SafeScheme(), [1.0, 0.0, 0.0, 0.3, 0.0])
     with pytest.raises(ValueError, match="two inputs"):
-        blend.drive(blend.SafeScheme(), TOP, system=FuzzySystem.load(controllers.TABLE.with_name("thesis_table_3_2.fll")))
+        blend.drive(
+            blend.SafeScheme(), TOP, system=FuzzySystem.load(controllers.TABLE.with_name("thesis_table_3_2.fll"))
+        )
     with pytest.raises(ValueError, match="close < far"):
         blend.rule_base(close=1.0, far=0.5)
     with pytest.raises(ValueError, match="dt must be positive"):

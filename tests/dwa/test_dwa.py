@@ -8,12 +8,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fuzzynav import dwa
+from fuzzynav.control import Observation
 from fuzzynav.dwa import contact as dwa_contact
 from fuzzynav.dwa import kernels
 from fuzzynav.dwa.decision import Params
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS, TURTLEBOT2, move, reachable
-from fuzzynav.world.world import Observation
+from fuzzynav.robot import THESIS, TURTLEBOT2, move, reachable
 
 speeds = st.floats(0.0, 1.0)
 turns = st.floats(-0.35, 0.35)

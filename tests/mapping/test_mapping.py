@@ -13,9 +13,9 @@ from fuzzynav.localization.kalman import LandmarkSensor
 from fuzzynav.mapping import logs, posegraph
 from fuzzynav.maps import kinds
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.sensors.scene import Laser
+from fuzzynav.sensors import Laser
 from fuzzynav.studies import localization as study
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 relaxed = settings(deadline=None, max_examples=30)
 SEEDS = st.integers(0, 2**32)

@@ -9,9 +9,9 @@ from fuzzynav import dwa, lab, plot, simulate
 from fuzzynav.dwa.fast import RULES
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.plot.labs.dwa import retuned
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa import claims, comparison
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 YARD = World(
     discs=[[3.0, 2.6, 0.5]],
@@ -67,7 +67,12 @@ def test_the_light_region_is_what_can_stop() -> None:
 
 def test_the_scrubber_shows_another_moment(driven) -> None:
     run, plans = driven
-    player = lab.Player(plot.dwa_scrubber(run, plans, YARD, params=dwa.CHAPTER_4), run.iterations, title="t")
+    player = lab.Player(
+        plot.dwa_scrubber,
+        run.iterations,
+        title="t",
+        given={"run": run, "plans": plans, "world": YARD, "params": dwa.CHAPTER_4},
+    )
     first, words = player.png, player.text
     player.set(frame=30)
     assert player.png != first
@@ -88,12 +93,12 @@ def test_the_player_and_the_gif_hold_the_run(driven, tmp_path) -> None:
 
 def test_labs_answer_their_sliders() -> None:
     world = World(grid=comparison.random_map("0.05/40004"))
-    update = plot.weights_lab(world, comparison.START, comparison.GOAL)(plt.figure())
+    update = plot.weights_lab(plt.figure(), world=world, start=comparison.START, goal=comparison.GOAL)
     _, stall = update(alpha=0.8, beta=0.1, gamma=0.1, rival="printed .8 .1 .1")
     assert stall.count("stalled") == 2
     _, free = update(alpha=0.2, beta=0.7, gamma=0.1, rival="fuzzy, 27 rules")
     assert "sliders: reached" in free
-    obstacle = plot.obstacle_lab()(plt.figure())
+    obstacle = plot.obstacle_lab(plt.figure())
     assert "full braking" in obstacle(x=1.0, y=0.0, v=0.9, omega=0.0)[1]
     assert obstacle(x=4.0, y=1.5, v=0.3, omega=0.0)[1].startswith("0 of")
     plt.close("all")

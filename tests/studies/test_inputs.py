@@ -10,10 +10,10 @@ import pytest
 from fuzzynav import blend, published, tracking
 from fuzzynav.fuzzy import Rule
 from fuzzynav.planning import astar
-from fuzzynav.robot.model import PIONEER_3DX, TURTLEBOT2, Robot, accelerations
+from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot, accelerations
 from fuzzynav.studies.blend.claims import FITTED, SIMULATION_BLOCK
 from fuzzynav.studies.fuzzy import planner
-from fuzzynav.studies.planning.maps import CHAPTER_4
+from fuzzynav.studies.planning.maps import SCENES_4
 from fuzzynav.studies.tracking.claims import GAINS, SIMULATION
 
 START = np.array([0.3, -0.2, 0.4])  # off the reference, so that the gains have work
@@ -41,7 +41,7 @@ def passed(**change: float) -> np.ndarray:
 
 
 def searched(start: tuple[int, int], goal: tuple[int, int]) -> np.ndarray:
-    return astar.search(CHAPTER_4["M2"].grid, start, goal, astar.OPTIMAL).cells
+    return astar.search(SCENES_4["M2"].grid, start, goal, astar.OPTIMAL).cells
 
 
 def answer(**change: Any) -> np.ndarray:

@@ -12,11 +12,11 @@ from scipy.linalg import expm
 
 from fuzzynav import simulate, tracking
 from fuzzynav.geometry import Array, compose, length, wrap
-from fuzzynav.robot.model import PIONEER_3DX, THESIS, TURTLEBOT2, limit, pose_rate, respects_limits
+from fuzzynav.robot import PIONEER_3DX, THESIS, TURTLEBOT2, limit, pose_rate, respects_limits
 from fuzzynav.tracking import curves, reference
 from fuzzynav.tracking.kernels import _limit, limits_of
 from fuzzynav.tracking.tracker import NO_RATES
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 EIGHT = reference.FigureEight()
 SHORT = reference.FigureEight(duration=30.0)

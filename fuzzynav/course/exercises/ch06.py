@@ -15,9 +15,9 @@ from fuzzynav.dwa.decision import Field, Params
 from fuzzynav.dwa.fast import RULES, drive
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.fuzzy.variable import RuleBlock
-from fuzzynav.robot.model import THESIS, Robot
+from fuzzynav.robot import THESIS, Robot
 from fuzzynav.studies.dwa.comparison import GOAL, START, random_map
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = ["CLEARANCE", "EXERCISES", "MAPS", "STEPS", "with_rules"]
 

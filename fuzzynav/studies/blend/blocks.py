@@ -5,6 +5,7 @@ Case n is the block of seed n. Seeds from 100 000 on served to try the safe sche
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -15,11 +16,12 @@ from scipy.spatial import KDTree
 from fuzzynav import batch, blend, simulate
 from fuzzynav.blend.kernels import INDEX, WEIGHT
 from fuzzynav.blend.points import _nearest_on
+from fuzzynav.control import Observation
 from fuzzynav.data import folder
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.reference import FigureEight
-from fuzzynav.world.world import Mover, Observation, World
+from fuzzynav.world import Mover, World
 
 __all__ = [
     "BLOCK_CASES",
@@ -187,11 +189,12 @@ def one_mover(seed: int) -> list[dict[str, Any]]:
 
 def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[str, Any]:
     """One lap with the mover and, if nothing was touched, the lap behind it without."""
-    sensing = simulate.Sensing(beams=180, range_max=2.0, velocities=True)
+    laser = replace(simulate.IDEAL_LASER, beams=180, range_max=2.0)
     lap, loop = round(blend.LAP / 0.1), simulate.Loop(stall_time=1e5)
     start, far = law.rows[0, [0, 1, 6]], [90.0, 90.0]
     law.reset()
-    first = simulate.run(world, TURTLEBOT2, _Lap(law, lap), start, far, t_max=400.0, sensors=sensing, loop=loop)
+    sensing: dict[str, Any] = {"laser": laser, "track_movers": True, "loop": loop}
+    first = simulate.run(world, TURTLEBOT2, _Lap(law, lap), start, far, t_max=400.0, **sensing)
     row = {
         "status": first.status,
         "standing": first.contacts_standing,
@@ -203,9 +206,7 @@ def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[s
     if first.status != "reached" or first.contacts_standing:
         return row
     until = 2 * lap - 1 if isinstance(law, blend.SafeBlend) else lap  # the printed one reads the clock, from 0 anew
-    second = simulate.run(
-        World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], far, t_max=200.0, sensors=sensing, loop=loop
-    )
+    second = simulate.run(World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], far, t_max=200.0, **sensing)
     gap = np.concatenate([first.log["gap"], second.log["gap"]])
     weight = np.concatenate([first.log["weight"], second.log["weight"]])
     active = np.flatnonzero(weight > 0.0)

@@ -1,4 +1,4 @@
-"""Chapter 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
+"""Thesis 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from fuzzynav import batch, blend
-from fuzzynav.robot.model import PIONEER_3DX
+from fuzzynav.robot import PIONEER_3DX
 from fuzzynav.studies.blend import blocks
 from fuzzynav.studies.reproduction import Reproduction
 from fuzzynav.studies.study import Study

@@ -1,4 +1,4 @@
-"""Thesis chapter 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
+"""Thesis 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
 
 The thesis prints neither the map, nor start and goal, dt, d_max, robot radius, goal tolerance, or any membership
 breakpoint. Ours: random maps of 20 x 20 cells; the one shown is the map, among the maps searched, on which both
@@ -14,18 +14,19 @@ from typing import Any
 import numpy as np
 
 from fuzzynav import batch, documents, simulate
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Controller, Field, Plan
-from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
+from fuzzynav.dwa.fast import RULES, drive, shipped
 from fuzzynav.dwa.steps import CHAPTER_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.simulate.record import Run
 from fuzzynav.studies.dwa import comparison, safety, tuning
 from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, START, TIME_LIMIT, random_map
 from fuzzynav.studies.reproduction import Interval, Reproduction
 from fuzzynav.studies.study import Study
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 __all__ = [
     "AS_THESIS",
@@ -78,7 +79,7 @@ def _controller(fuzzy: bool, keep: bool) -> Controller:
 @cache
 def _run(fuzzy: bool) -> tuple[Run, tuple[Plan, ...]]:
     controller = _controller(fuzzy, keep=True)
-    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, sensors=BLIND)
+    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, laser=None)
     return run, tuple(controller.plans)
 
 

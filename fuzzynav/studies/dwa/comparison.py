@@ -18,10 +18,10 @@ from fuzzynav.data import folder
 from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.fast import Drive, drive, shipped
 from fuzzynav.dwa.steps import CHAPTER_3, CHAPTER_4, Params
-from fuzzynav.fuzzy.compiled import Tables
+from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS
+from fuzzynav.world import World
 
 __all__ = [
     "CASES",

@@ -1,4 +1,4 @@
-"""Chapter 3 of the thesis, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
+"""Thesis 3, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
 
 What concerns the dynamic window stands in `chapter_3_dwa`.
 """
@@ -15,7 +15,7 @@ from fuzzynav import documents, smoothing
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, heuristics
 from fuzzynav.studies.planning import maps, random_maps
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4, Planned, Scene
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4, Planned, Scene
 from fuzzynav.studies.reproduction import Interval, Reproduction
 from fuzzynav.studies.study import Study
 
@@ -27,7 +27,7 @@ ROBOT_RADIUS = 0.3  # [m] ours: what a path must keep to count as safe
 @cache
 def plan(scene: str, planner: str) -> Planned:
     """The answer of "TA" (traditional) or "EA" (efficient) in scene "S1", "S2" or "S1 no cut"."""
-    return {"TA": maps.traditional, "EA": maps.efficient}[planner](CHAPTER_3[scene])
+    return {"TA": maps.traditional, "EA": maps.efficient}[planner](SCENES_3[scene])
 
 
 def _quantity(scene: str, planner: str, name: str) -> float:
@@ -60,7 +60,7 @@ def is_safe(scene: Scene, planned: Planned, radius: float = ROBOT_RADIUS) -> boo
 
 
 def _flag(scene: str, planner: str, name: str) -> str:
-    given, found = CHAPTER_3[scene], plan(scene, planner)
+    given, found = SCENES_3[scene], plan(scene, planner)
     good = is_safe(given, found) if name == "safe" else smooth_is_continuous(given, found, planner == "EA")
     return "Yes" if good else "No"
 
@@ -83,9 +83,9 @@ def large_weight_is_breadth_first() -> bool:
 
 def zero_heuristic_is_dijkstra() -> bool:
     """Whether H = 0 expands cells in the order of their distance from the start."""
-    order = astar.search(CHAPTER_3["S1"].grid, CHAPTER_3["S1"].start, CHAPTER_3["S1"].goal, astar.DIJKSTRA).expanded
-    grid = CHAPTER_3["S1"].grid
-    lengths = [astar.search(grid, CHAPTER_3["S1"].start, cell, astar.OPTIMAL).length for cell in order]
+    order = astar.search(SCENES_3["S1"].grid, SCENES_3["S1"].start, SCENES_3["S1"].goal, astar.DIJKSTRA).expanded
+    grid = SCENES_3["S1"].grid
+    lengths = [astar.search(grid, SCENES_3["S1"].start, cell, astar.OPTIMAL).length for cell in order]
     return bool((np.diff(lengths) >= -1e-9).all())
 
 
@@ -121,7 +121,7 @@ def _untuned(name: str) -> str:
 
 def _given(scene: str) -> list[Scene]:
     """Our reconstructions of one printed scene: its maps, with each order of ties."""
-    found = [s for name, s in CHAPTER_3.items() if name.startswith(scene)]
+    found = [s for name, s in SCENES_3.items() if name.startswith(scene)]
     return [replace(s, traditional=replace(s.traditional, ties=t)) for s in found for t in ("fifo", "lifo", "low h")]
 
 
@@ -150,7 +150,7 @@ def _reductions(scene: str, name: str, printed: float, within: float = 0.005) ->
 def _safe_readings(scene: str, planner: str) -> tuple[int, int]:
     """For how many of our maps of a scene the flag of safety is the printed one."""
     printed = documents.claim(f"thesis:c-3.4-{scene}-{planner}-safe").value
-    names = [name for name in CHAPTER_3 if name.startswith(scene)]
+    names = [name for name in SCENES_3 if name.startswith(scene)]
     return sum(_flag(name, planner, "safe") == printed for name in names), len(names)
 
 
@@ -371,7 +371,7 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
 STUDIES: tuple[Study, ...] = (
     Study(
         name="astar_times", experiment=random_maps.times, cases=("S1", "S2", "M1", "M2"),
-        inputs=tuple(f"maps/{scene.name}.map" for scene in (*CHAPTER_3.values(), *CHAPTER_4.values())),
+        inputs=tuple(f"maps/{scene.name}.map" for scene in (*SCENES_3.values(), *SCENES_4.values())),
         timed=("traditional_us", "better_us", "better_search_us"), parameters={"runs": 400},
     ),
     Study(

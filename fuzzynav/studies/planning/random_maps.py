@@ -1,4 +1,4 @@
-"""The planners of chapters 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
+"""The planners of thesis 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
 
 One row a map: cells searched, lengths [m] and times [us] of every planner, and the optimum of all. Times are the least
 of five runs, search and node removal together; everything else is the same on every computer.
@@ -19,7 +19,7 @@ from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, visibility
 from fuzzynav.planning.astar import Options, SearchResult
 from fuzzynav.smoothing import simplify
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4, Scene, efficient, enhanced, random_scene, traditional
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4, Scene, efficient, enhanced, random_scene, traditional
 
 __all__ = ["CASES", "DENSITIES", "compare_times", "one_map", "results", "times"]
 
@@ -79,7 +79,7 @@ def _kept(
 
 
 def _safe(grid: GridMap, start: tuple[int, int], goal: tuple[int, int]) -> dict[str, object]:
-    """Chapter 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
+    """Thesis 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
     strict = astar.search(grid, start, goal, replace(astar.TRADITIONAL, corners="strict"))
     found = astar.search(grid, start, goal, astar.ENHANCED)
     row: dict[str, object] = {
@@ -129,12 +129,12 @@ def results() -> pd.DataFrame:
 
 def times(name: str) -> dict[str, float]:
     """Times [us] on one of our maps: the median of 400 runs of each planner, in turns."""
-    scene: Scene = {**CHAPTER_3, **CHAPTER_4}[name]
-    better = efficient if name in CHAPTER_3 else enhanced
-    radius = 0.0 if name in CHAPTER_3 else scene.safety_radius
+    scene: Scene = {**SCENES_3, **SCENES_4}[name]
+    better = efficient if name in SCENES_3 else enhanced
+    radius = 0.0 if name in SCENES_3 else scene.safety_radius
     options = (
         replace(astar.EFFICIENT, corners=scene.traditional.corners)
-        if name in CHAPTER_3
+        if name in SCENES_3
         else replace(astar.ENHANCED, safety_radius=radius)
     )
     plans: dict[str, Callable[[], object]] = {

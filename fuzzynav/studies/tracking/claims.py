@@ -1,4 +1,4 @@
-"""Chapter 5, tracking: the printed numbers, measured. What meets an obstacle stands in `chapter_5_avoidance`."""
+"""Thesis 5, tracking: the printed numbers, measured. What meets an obstacle stands in `studies.blend`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cache, partial
 import numpy as np
 
 from fuzzynav import batch, tracking
-from fuzzynav.robot.model import PIONEER_3DX, TURTLEBOT2, Robot
+from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot
 from fuzzynav.studies.reproduction import Reproduction
 from fuzzynav.studies.study import Study
 from fuzzynav.studies.tracking import rivals
