@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import csv
-import re
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -18,9 +17,20 @@ from fuzzynav.course.folders import course_root, write_whole
 from fuzzynav.course.overview import chapters
 from fuzzynav.plot.cover import save_cover
 from fuzzynav.published import Row, items, ledger, reproduced_items
-from fuzzynav.studies.reproduction import VERDICTS
+from fuzzynav.studies.reproduction import MEANING, VERDICTS
 
-__all__ = ["bench_table", "items_line", "ledger_line", "ledger_table", "pages", "rendered", "speed_line", "write_pages"]
+__all__ = [
+    "bench_table",
+    "claims_table",
+    "items_line",
+    "ledger_line",
+    "ledger_table",
+    "meanings",
+    "pages",
+    "rendered",
+    "speed_line",
+    "write_pages",
+]
 
 LEDGER, SPEED = "docs/ledger.md", "docs/speed.md"
 
@@ -37,8 +47,8 @@ def pages(root: Path) -> dict[str, str]:
     return {
         "README.md": rendered((root / "README.md").read_text(encoding="utf-8"), parts),
         LEDGER: "# Published against reproduced\n\n"
-        "How many printed numbers of each document have which verdict; `make reproduce` prints every one of them with\n"
-        f"its source, the published value, ours and the reason.\n\n{ledger_table(rows)}\n",
+        "Every printed number of the documents beside ours; `make reproduce` prints the same with the reasons.\n\n"
+        f"{ledger_table(rows)}\n\n{meanings()}\n\n{claims_table(rows)}\n",
         SPEED: "# Speed\n\n"
         "`make bench` measures both sides in one run. On two shared cores (treat times as ratios):\n\n"
         f"{bench_table(speeds)}\n",
@@ -66,19 +76,37 @@ def ledger_line(rows: Sequence[Row]) -> str:
     """How many claims have each verdict, in one line."""
     counts = Counter(row.verdict for row in rows)
     said = ", ".join(f"{counts[v]} {v}" for v in VERDICTS if counts[v])
-    return f"{len(rows)} printed numbers: {said}. By document: [{LEDGER}]({LEDGER})."
+    return f"{len(rows)} printed numbers: {said}. Every one of them: [{LEDGER}]({LEDGER}).\n\n" + ledger_table(rows)
 
 
 def ledger_table(rows: Sequence[Row]) -> str:
-    """Markdown: how many claims of each source have each verdict."""
+    """Markdown: how many claims of each document have each verdict."""
     counts: dict[str, Counter[str]] = {}
     for row in rows:
-        document, _, name = row.source.partition(":")
-        chapter = re.search(r"\d", name) if document == "thesis" else None
-        counts.setdefault(f"thesis {chapter[0]}" if chapter else document, Counter())[row.verdict] += 1
-    head = "| source | " + " | ".join(VERDICTS) + " |\n|---|" + "---:|" * len(VERDICTS) + "\n"
+        counts.setdefault(row.source.partition(":")[0], Counter())[row.verdict] += 1
+    head = "| document | " + " | ".join(VERDICTS) + " |\n|---|" + "---:|" * len(VERDICTS) + "\n"
     lines = [f"| {name} | " + " | ".join(str(c[v]) for v in VERDICTS) + " |" for name, c in sorted(counts.items())]
     return head + "\n".join(lines)
+
+
+def meanings() -> str:
+    """Markdown: what each verdict means."""
+    return "\n".join(f"- *{word}*: {text}" for word, text in MEANING.items())
+
+
+def claims_table(rows: Sequence[Row]) -> str:
+    """Markdown: every claim that has a verdict, with the printed value and ours."""
+    head = "| claim | quantity | printed | ours | verdict |\n|---|---|---:|---:|---|\n"
+    lines = [
+        f"| {row.claim} | {_cell(row.quantity)} | {_cell(row.published)} | {_cell(row.ours)} | {row.verdict} |"
+        for row in rows
+        if row.verdict != "not yet"
+    ]
+    return head + "\n".join(lines)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|").replace("\n", " ")
 
 
 def speed_line(rows: Sequence[dict[str, str]]) -> str:
