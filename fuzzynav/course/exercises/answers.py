@@ -98,15 +98,21 @@ def _real(value: Any, what: str, wanted: str) -> Array:
     if isinstance(value, Set) and len(value) > 1:
         raise Wrong(f"{what} should be {wanted}; a set has no order, so give a tuple or a list.")
     plain = list(value) if hasattr(value, "__iter__") and not hasattr(value, "__array__") else value
+    found = None if isinstance(value, dict) else _floats(plain)
+    if found is None:
+        raise Wrong(f"{what} should be {wanted}, not {_kind(value)}.")
+    return found
+
+
+def _floats(value: Any) -> Array | None:
+    """The value as floats, or None where that cannot be."""
     try:
-        found = np.asarray(plain)
+        found = np.asarray(value)
         if found.dtype.kind in "fiu":
             return found.astype(float)
-        if found.dtype == object and not isinstance(value, dict):
-            return np.array([float(v) for v in found.ravel()]).reshape(found.shape)
+        return np.array([float(v) for v in found.ravel()]).reshape(found.shape) if found.dtype == object else None
     except (TypeError, ValueError):
-        pass
-    raise Wrong(f"{what} should be {wanted}, not {_kind(value)}.") from None
+        return None
 
 
 def _finite(found: Array, what: str, *, silent: bool = False) -> None:

@@ -11,9 +11,9 @@ import numpy as np
 from fuzzynav.course.exercise import Exercise, Wrong
 from fuzzynav.course.exercises.answers import close, integers, named, number, numbers
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import TURTLEBOT2, Robot, body_speeds, move, move_midpoint
+from fuzzynav.robot import TURTLEBOT2, Robot, body_speeds, move, move_midpoint
+from fuzzynav.sensors import odometry, wheel_travel
 from fuzzynav.sensors.cameras import Stereo, disparity, stereo_sigma
-from fuzzynav.sensors.scene import odometry, wheel_travel
 
 __all__ = ["EXERCISES"]
 

@@ -15,9 +15,9 @@ from fuzzynav.course.exercises.answers import close, named, number, numbers
 from fuzzynav.course.exercises.ch03 import with_rules
 from fuzzynav.dwa.decision import Field, Params
 from fuzzynav.dwa.fast import drive
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa.comparison import GOAL, START, random_map
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = ["CLEARANCE", "EXERCISES", "MAPS", "STEPS"]
 
