@@ -5,10 +5,14 @@ Poses are `(..., 3)` arrays of x [m], y [m], theta [rad]; points are `(..., 2)` 
 
 from __future__ import annotations
 
+from typing import Any, TypeVar
+
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 Array = NDArray[np.float64]
+MOST_POINTS = 10_000_000  # that a polyline is cut into
+Kind = TypeVar("Kind", bound=np.generic)
 
 __all__ = [
     "Array",
@@ -18,11 +22,32 @@ __all__ = [
     "inverse",
     "length",
     "point_segment_distance",
+    "read_only",
     "resample",
+    "sealed",
     "to_body",
     "to_world",
     "wrap",
 ]
+
+
+def sealed(array: NDArray[Kind]) -> NDArray[Kind]:
+    """The same array, from now on read-only: for arrays that nobody else holds.
+
+    >>> sealed(np.zeros(3))[0] = 1.0
+    Traceback (most recent call last):
+    ValueError: assignment destination is read-only
+    """
+    array.setflags(write=False)
+    return array
+
+
+def read_only(values: ArrayLike, dtype: DTypeLike = float) -> NDArray[Any]:
+    """A contiguous copy that cannot be written to; what is such a copy already is handed back as it is."""
+    given = np.asarray(values)
+    if given.dtype == dtype and given.base is None and not given.flags.writeable and given.flags.c_contiguous:
+        return given
+    return sealed(np.array(given, dtype=dtype, order="C"))
 
 
 def wrap(angle: ArrayLike) -> Array:
@@ -101,12 +126,16 @@ def length(points: ArrayLike) -> float:
 def resample(points: ArrayLike, spacing: float) -> Array:
     """Polyline `(n, 2)` walked in equal steps of at most `spacing` [m], both ends kept.
 
-    Raises ValueError if spacing is not positive.
+    Raises ValueError if spacing is not positive, or so small that more than 10 million points would come out.
     """
     if not (np.isfinite(spacing) and spacing > 0):
         raise ValueError(f"spacing must be positive and finite, got {spacing}")
     pts = np.asarray(points, dtype=float)[:, :2]
     s = cumulative_length(pts)
+    if not np.isfinite(s[-1]):
+        raise ValueError("the points of a polyline must be finite")
+    if s[-1] > MOST_POINTS * spacing:
+        raise ValueError(f"steps of {spacing} m along {s[-1]:.6g} m make over {MOST_POINTS} points: take longer steps")
     stations = np.linspace(0.0, s[-1], max(int(np.ceil(s[-1] / spacing)), 1) + 1)
     return np.stack([np.interp(stations, s, pts[:, k]) for k in range(2)], axis=-1)
 

@@ -1,26 +1,44 @@
-"""Compiled loops of the dynamic window: where along an arc the robot first touches something.
+"""Compiled: where along an arc the robot first touches something.
 
 Everything happens in the body frame: the robot starts at the origin and looks along x. Obstacles come as points with
 a radius of their own, or as a field of distances.
 """
 
-# mypy: disallow_untyped_defs = False
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numba import njit
 
-__all__: list[str] = []
+from fuzzynav.geometry import Array
+from fuzzynav.robot.kernels import arc
+
+__all__ = [
+    "STILL", "Chart", "arc_contact", "end_clearance", "field_at", "field_contact", "grown", "near_points", "polygon_contact",
+]  # fmt: skip
 
 STILL = 1e-9  # [m/s] slower than this is standing
-SEAM = 0.05  # [m] between two points of the border of what was seen
+TOUCHING = 1e-4  # [m] a clearance in a field that counts as contact
+
+
+class Chart(NamedTuple):
+    """A field of distances [m] from cell centres to the nearest obstacle; without values there is none."""
+
+    values: Array  # [row, col]
+    resolution: float  # [m]
+    x: float  # [m] of its lower left corner
+    y: float
 
 
 @njit(cache=True)
-def _near(pose, points, radii, radius, reach):
-    """Points within reach of the disc in the body frame: x, y and power x^2 + y^2 - (radius + own radius)^2."""
+def near_points(pose: Array, points: Array, radii: Array, radius: float, reach: float) -> tuple[Array, float]:
+    """Points within reach of a disc, in the body frame, and the distance [m] from its rim to the nearest point.
+
+    Rows are x, y, own radius and the power x^2 + y^2 - (radius + own radius)^2.
+    """
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    out = np.empty((points.shape[0], 3))
+    out = np.empty((points.shape[0], 4))
     k = 0
     nearest = np.inf
     for i in range(points.shape[0]):
@@ -30,13 +48,14 @@ def _near(pose, points, radii, radius, reach):
         nearest = min(nearest, np.sqrt(squared) - own)
         far = own + reach
         if squared <= far * far:
-            out[k, 0], out[k, 1], out[k, 2] = c * dx + s * dy, c * dy - s * dx, squared - own * own
+            out[k, 0], out[k, 1], out[k, 2] = c * dx + s * dy, c * dy - s * dx, radii[i]
+            out[k, 3] = squared - own * own
             k += 1
     return out[:k], nearest
 
 
 @njit(cache=True)
-def _arc_contact(v, omega, near):
+def arc_contact(v: float, omega: float, near: Array) -> float:
     """Distance [m] along the arc at which the disc first touches one of the points; inf if it never does.
 
     With w = tan(turn/2)/curvature the contact is a root of a w^2 - 2 x w + power/2 = 0, where a = 2 (1 - curvature y)
@@ -48,7 +67,7 @@ def _arc_contact(v, omega, near):
     bend = omega / v
     first, late = np.inf, 0.0
     for i in range(near.shape[0]):
-        power = near[i, 2]
+        power = near[i, 3]
         if power <= 0.0:
             return 0.0
         x = forward * near[i, 0]
@@ -69,74 +88,99 @@ def _arc_contact(v, omega, near):
 
 
 @njit(cache=True)
-def _arc_pose(v, omega, t):
-    """Body-frame pose after driving (v, omega) for t along the exact arc."""
-    half = 0.5 * omega * t
-    chord = v * t * (np.sin(half) / half if abs(half) > 1e-9 else 1.0)
-    return chord * np.cos(half), chord * np.sin(half), 2.0 * half
+def field_at(x: float, y: float, chart: Chart) -> float:
+    """A lower bound of the clearance [m] at a point: the value of its cell less the way to the cell's centre.
 
-
-@njit(cache=True)
-def _field_at(x, y, field, resolution, x0, y0):
-    """A lower bound of the clearance [m] at a point: the value of its cell less the way to the cell's centre."""
-    rows, cols = field.shape
-    i, j = int(np.floor((x - x0) / resolution)), int(np.floor((y - y0) / resolution))
+    0 outside the field, nan where the field holds nan.
+    """
+    rows, cols = chart.values.shape
+    i, j = int(np.floor((x - chart.x) / chart.resolution)), int(np.floor((y - chart.y) / chart.resolution))
     if i < 0 or j < 0 or i >= cols or j >= rows:
         return 0.0
-    dx, dy = x - x0 - (i + 0.5) * resolution, y - y0 - (j + 0.5) * resolution
-    return field[j, i] - np.sqrt(dx * dx + dy * dy)
+    dx, dy = x - chart.x - (i + 0.5) * chart.resolution, y - chart.y - (j + 0.5) * chart.resolution
+    return chart.values[j, i] - np.sqrt(dx * dx + dy * dy)
 
 
 @njit(cache=True)
-def _field_contact(v, omega, pose, field, frame, radius, reach):
-    """Distance [m] along the arc that is surely free in a distance field; marches by the clearance itself."""
+def field_contact(v: float, omega: float, pose: Array, chart: Chart, radius: float, reach: float) -> tuple[float, bool]:
+    """Distance [m] along the arc that is surely free in a distance field, and whether it ends where the field is nan.
+
+    It marches by the clearance itself; inf beyond `reach` and after a whole circle.
+    """
     if abs(v) <= STILL:
-        return np.inf
+        return np.inf, False
     c, s = np.cos(pose[2]), np.sin(pose[2])
     travelled = 0.0
     while travelled < reach:
-        x, y, _ = _arc_pose(v, omega, travelled / abs(v))
-        free = _field_at(pose[0] + c * x - s * y, pose[1] + s * x + c * y, field, frame[0], frame[1], frame[2]) - radius
-        if free < 1e-4:
-            return travelled
+        x, y, _ = arc(0.0, 0.0, 0.0, v, omega, travelled / abs(v))
+        free = field_at(pose[0] + c * x - s * y, pose[1] + s * x + c * y, chart) - radius
+        if np.isnan(free):
+            return travelled, True
+        if free < TOUCHING:
+            return travelled, False
         travelled += free
         if abs(omega) * travelled > 2.0 * np.pi * abs(v):
-            return np.inf
-    return np.inf
+            return np.inf, False
+    return np.inf, False
 
 
 @njit(cache=True)
-def _polygon_contact(v, omega, near, corners):
+def polygon_contact(v: float, omega: float, near: Array, corners: Array) -> float:
     """Travel until a corner-cornered footprint first touches a point: [m] along the arc, or [rad] when v = 0.
 
-    Seen from the robot every point moves on a circle about the centre of turning, the other way round.
+    Seen from the robot every point moves on a circle about the centre of turning, the other way round. A point with a
+    radius of its own meets the footprint grown by it.
     """
-    still = abs(v) <= STILL
-    if still and omega == 0.0:
+    if abs(v) <= STILL and omega == 0.0:
         return np.inf
-    first = np.inf
-    n = corners.shape[0]
+    first, shape, size = np.inf, corners, 0.0
     for i in range(near.shape[0]):
-        px, py = near[i, 0], near[i, 1]
-        inside = True
-        for k in range(n):
-            ax, ay = corners[k, 0], corners[k, 1]
-            bx, by = corners[(k + 1) % n, 0], corners[(k + 1) % n, 1]
-            if (bx - ax) * (py - ay) - (by - ay) * (px - ax) < 0.0:
-                inside = False
-            if not still and abs(omega) < 1e-9 * abs(v):
-                first = min(first, _line_edge(px, py, -np.sign(v), ax, ay, bx, by))
-            else:
-                centre = 0.0 if still else v / omega
-                turn = _circle_edge(px, py - centre, ax, ay - centre, bx, by - centre, -np.sign(omega))
-                first = min(first, turn if still else turn * abs(centre))
-        if inside:
-            return 0.0
+        if near[i, 2] != size:
+            size = near[i, 2]
+            shape = grown(corners, size)
+        first = min(first, _point_contact(v, omega, near[i, 0], near[i, 1], shape))
+        if first == 0.0:
+            break
     return first
 
 
 @njit(cache=True)
-def _line_edge(px, py, direction, ax, ay, bx, by):
+def _point_contact(v: float, omega: float, px: float, py: float, corners: Array) -> float:
+    """`polygon_contact` with one point."""
+    still, inside, first = abs(v) <= STILL, True, np.inf
+    n = corners.shape[0]
+    for k in range(n):
+        ax, ay = corners[k, 0], corners[k, 1]
+        bx, by = corners[(k + 1) % n, 0], corners[(k + 1) % n, 1]
+        if (bx - ax) * (py - ay) - (by - ay) * (px - ax) < 0.0:
+            inside = False
+        if not still and abs(omega) < 1e-9 * abs(v):
+            first = min(first, _line_edge(px, py, -np.sign(v), ax, ay, bx, by))
+        else:
+            centre = 0.0 if still else v / omega
+            turn = _circle_edge(px, py - centre, ax, ay - centre, bx, by - centre, -np.sign(omega))
+            first = min(first, turn if still else turn * abs(centre))
+    return 0.0 if inside else first
+
+
+@njit(cache=True)
+def grown(corners: Array, size: float) -> Array:
+    """The convex polygon with every edge moved out by `size` [m]: it holds whatever is no further away than that."""
+    n = corners.shape[0]
+    out = np.empty_like(corners)
+    for k in range(n):
+        ax, ay = corners[k, 0] - corners[k - 1, 0], corners[k, 1] - corners[k - 1, 1]
+        bx, by = corners[(k + 1) % n, 0] - corners[k, 0], corners[(k + 1) % n, 1] - corners[k, 1]
+        a, b = np.sqrt(ax * ax + ay * ay), np.sqrt(bx * bx + by * by)
+        sine, cosine = (ax * by - ay * bx) / (a * b), (ax * bx + ay * by) / (a * b)
+        along = size * (1.0 - cosine) / sine  # from the foot of the moved corner to the corner
+        out[k, 0] = corners[k, 0] + size * ay / a + along * ax / a
+        out[k, 1] = corners[k, 1] - size * ax / a + along * ay / a
+    return out
+
+
+@njit(cache=True)
+def _line_edge(px: float, py: float, direction: float, ax: float, ay: float, bx: float, by: float) -> float:
     """Way along x until the point meets the edge a-b; inf if never."""
     if (ay - py) * (by - py) > 0.0 or ay == by:
         return np.inf
@@ -146,7 +190,7 @@ def _line_edge(px, py, direction, ax, ay, bx, by):
 
 
 @njit(cache=True)
-def _circle_edge(px, py, ax, ay, bx, by, direction):
+def _circle_edge(px: float, py: float, ax: float, ay: float, bx: float, by: float, direction: float) -> float:
     """Angle the point turns about the origin, in `direction`, until it meets the edge a-b; inf if never."""
     squared = px * px + py * py
     ex, ey = bx - ax, by - ay
@@ -165,70 +209,30 @@ def _circle_edge(px, py, ax, ay, bx, by, direction):
 
 
 @njit(cache=True)
-def _end_clearance(v, omega, near, field, frame, pose, radius, sim_time):
-    """Clearance [m] at the end of the predicted arc, as the thesis prints it."""
-    x, y, _ = _arc_pose(v, omega, sim_time)
+def end_clearance(
+    v: float, omega: float, near: Array, pose: Array, chart: Chart, radius: float, sim_time: float
+) -> float:
+    """Clearance [m] at the end of the predicted arc, as the thesis prints it; 0 where the field is nan."""
+    x, y, _ = arc(0.0, 0.0, 0.0, v, omega, sim_time)
     best = np.inf
-    if field.size:
+    if chart.values.size:
         c, s = np.cos(pose[2]), np.sin(pose[2])
-        wx, wy = pose[0] + c * x - s * y, pose[1] + s * x + c * y
-        best = _field_at(wx, wy, field, frame[0], frame[1], frame[2]) - radius
+        best = field_at(pose[0] + c * x - s * y, pose[1] + s * x + c * y, chart) - radius
+        if np.isnan(best):
+            return 0.0
     for i in range(near.shape[0]):
         dx, dy = near[i, 0] - x, near[i, 1] - y
-        own = np.sqrt(max(near[i, 0] ** 2 + near[i, 1] ** 2 - near[i, 2], 0.0))
+        own = np.sqrt(max(near[i, 0] ** 2 + near[i, 1] ** 2 - near[i, 3], 0.0))
         best = min(best, np.sqrt(dx * dx + dy * dy) - own)
     return max(best, 0.0)
-
-
-@njit(cache=True)
-def _blind(ranges, angles, pose, range_max, full_circle):
-    """Border of what the beams have crossed: points (n, 2) with radii (n,) that cover it.
-
-    Between two neighbouring beams whatever is convex, has no corner under 90 degrees and is wider than the gap shows
-    itself within one gap of a hit: every beam's end therefore takes the gap for its radius. A jump in range is a line
-    of sight past an edge; behind it nothing is known, so points are strewn along it.
-    """
-    m = ranges.size
-    ends, bearings = np.empty(m), np.empty(m)
-    k = 0
-    for i in range(m):
-        if not np.isnan(ranges[i]):
-            ends[k], bearings[k] = min(max(ranges[i], 0.0), range_max), pose[2] + angles[i]
-            k += 1
-    gaps = np.zeros(k)  # [rad] from each beam to the next
-    for i in range(k):
-        gaps[i] = (bearings[i + 1 if i + 1 < k else 0] - bearings[i]) % (2.0 * np.pi)
-    if k > 0 and not full_circle:
-        gaps[k - 1] = 0.0
-    out, radii = np.empty((64 + 2 * k, 2)), np.empty(64 + 2 * k)
-    size = 0
-    for i in range(k):
-        j = i + 1 if i + 1 < k else 0
-        ax, ay = ends[i] * np.cos(bearings[i]), ends[i] * np.sin(bearings[i])
-        bx, by = ends[j] * np.cos(bearings[j]), ends[j] * np.sin(bearings[j])
-        way = np.sqrt((bx - ax) ** 2 + (by - ay) ** 2) if gaps[i] > 0.0 else 0.0
-        parts = max(int(np.ceil(way / SEAM)), 1) if way > 1.5 * max(ends[i], ends[j]) * gaps[i] else 1
-        while size + parts > radii.size:
-            out = np.concatenate((out, np.empty_like(out)))
-            radii = np.concatenate((radii, np.empty_like(radii)))
-        for p in range(parts):
-            u = p / parts
-            out[size, 0], out[size, 1] = pose[0] + ax + u * (bx - ax), pose[1] + ay + u * (by - ay)
-            radii[size] = (
-                ends[i] * max(gaps[i], gaps[i - 1]) if p == 0 else max(gaps[i] * min(ends[i], ends[j]), 0.5 * SEAM)
-            )
-            size += 1
-    return out[:size], radii[:size]
 
 
 def _warm() -> None:
     """Compile every kernel for the types used in practice."""
     pose = np.zeros(3)
-    points, radii = _blind(np.array([2.0, np.nan, 1.0]), np.array([-1.0, 0.0, 1.0]), pose, 5.0, True)
-    near, _ = _near(pose, points, radii, 0.3, 9.0)
-    corners = np.array([[0.2, -0.2], [0.2, 0.2], [-0.2, 0.0]])
-    field, frame = np.full((2, 2), 5.0), np.array([1.0, 0.0, 0.0])
-    _arc_contact(1.0, 0.1, near)
-    _polygon_contact(1.0, 0.1, near, corners)
-    _field_contact(1.0, 0.1, pose, field, frame, 0.3, 2.0)
-    _end_clearance(1.0, 0.1, near, field, frame, pose, 0.3, 3.0)
+    near, _ = near_points(pose, np.array([[2.0, 1.0]]), np.array([0.1]), 0.3, 9.0)
+    chart = Chart(np.full((2, 2), 5.0), 1.0, 0.0, 0.0)
+    arc_contact(1.0, 0.1, near)
+    polygon_contact(1.0, 0.1, near, np.array([[0.2, -0.2], [0.2, 0.2], [-0.2, 0.0]]))
+    field_contact(1.0, 0.1, pose, chart, 0.3, 2.0)
+    end_clearance(1.0, 0.1, near, pose, chart, 0.3, 3.0)

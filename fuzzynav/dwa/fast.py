@@ -1,68 +1,59 @@
 """The closed loop of `simulate.run` compiled, for what the long studies need: a static world and exact odometry.
 
-The robot knows the map as a distance field, or sees the world with an ideal scanner. A study drives tens of thousands
+The robot knows the map as a distance field, or sees the world with an ideal laser. A study drives tens of thousands
 of runs; a test holds this loop and the open one together, step by step.
 """
-# mypy: disallow_untyped_defs = False
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numba import njit
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.data import folder
-from fuzzynav.dwa.contact import STILL, _blind, _field_at
-from fuzzynav.dwa.decision import NO_FIELD, NO_FRAME, NO_POINTS, NO_RADII, Field
-from fuzzynav.dwa.kernels import _plan, _reachable, _window
-from fuzzynav.dwa.steps import CHAPTER_3, Params, limits_of
+from fuzzynav.dwa.contact import STILL, Chart, field_at
+from fuzzynav.dwa.controller import Stuck
+from fuzzynav.dwa.decision import NO_CHART, NO_POINTS, NO_RADII, Field, prepared
+from fuzzynav.dwa.kernels import decide, is_blind, window
+from fuzzynav.dwa.sight import border
+from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.fuzzy.compiled import Tables, tables
-from fuzzynav.fuzzy.engine import run as _infer
+from fuzzynav.fuzzy.compiled import Tables
+from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
-from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.kernels import _clearance, _scan
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS, Robot
+from fuzzynav.robot.kernels import arc, limit, wrap
+from fuzzynav.sensors import Laser
+from fuzzynav.simulate.loop import Loop
+from fuzzynav.simulate.record import Run
+from fuzzynav.world import World
+from fuzzynav.world.kernels import Scene, clearance, scan
 
-__all__ = ["BLIND", "Drive", "drive", "shipped", "tables_of"]
+__all__ = ["RULES", "drive", "shipped", "tables_of"]
 
 RULES = folder("fuzzy")
-STATUS = ("timeout", "reached", "stalled", "collided")
-BLIND = Sensing(beams=0)  # no scanner: the field alone says what is in the way
+STATUSES = ("timeout", "collided", "reached", "blind", "stalled")
+TIMEOUT, COLLIDED, REACHED, BLIND, STALLED = range(5)
+NO_SCAN = (NO_POINTS, NO_POINTS, NO_RADII, 0)  # no points, no border of what was seen
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Drive:
-    """One compiled run: as `simulate.Run`, without a log."""
-
-    poses: Array  # (n + 1, 3)
-    commands: Array  # (n, 2)
-    weights: Array  # (n, 3)
-    clearance: Array  # (n,) [m]
-    status: str
-    uncovered: int  # steps in which no rule fired
-    braking: int  # steps in which nothing was admissible
-    dt: float
-
-    @property
-    def iterations(self) -> int:
-        """Number of control steps."""
-        return len(self.commands)
-
-    @property
-    def length(self) -> float:
-        """Length of the driven path [m]."""
-        return float(np.abs(self.commands[:, 0]).sum() * self.dt)
-
-    @property
-    def min_clearance(self) -> float:
-        """Least distance [m] from the rim to anything; inf for a run without steps."""
-        return float(self.clearance.min(initial=np.inf))
+BEAMS = np.dtype((np.record, [("range_min", "f8"), ("range_max", "f8"), ("scanned", "?")]))
+ENDS = np.dtype(
+    (
+        np.record,
+        [
+            ("steps", "i8"),
+            ("goal_tolerance", "f8"),  # [m]
+            ("stall_steps", "i8"),
+            ("stall_distance", "f8"),  # [m]
+            ("stall_angle", "f8"),  # [rad]
+            ("blind_steps", "i8"),
+        ],
+    )
+)
 
 
 def tables_of(system: FuzzySystem) -> Tables:
@@ -70,7 +61,7 @@ def tables_of(system: FuzzySystem) -> Tables:
     named = tuple(v.name for v in system.inputs), tuple(v.name for v in system.outputs)
     if named != (INPUTS, OUTPUTS):
         raise ValueError(f"{system.name} maps {named[0]} to {named[1]}; needed: {INPUTS} to {OUTPUTS}, in this order")
-    return tables(system.inputs, system.outputs, system.blocks)
+    return system.tables
 
 
 @cache
@@ -83,173 +74,206 @@ def drive(
     world: World,
     start: ArrayLike,
     goal: ArrayLike,
-    params: Params = CHAPTER_3,
+    params: Params = TABLE_3_3,
     *,
     field: Field | None = None,
     rules: Tables | None = None,
     robot: Robot = THESIS,
-    sensors: Sensing = BLIND,
+    laser: Laser | None = None,
     t_max: float = 120.0,
     loop: Loop | None = None,
-) -> Drive:
+) -> Run:
     """Drive with fixed weights, or with those of `rules` and the parameters' weights where no rule fires.
 
-    The world must stand still, the sensors must be ideal, the footprint the disc. Movers, noise and a motor lag are for
-    `simulate.run`: ValueError.
+    The log holds alpha, beta, gamma, uncovered (no rule fired) and braking (nothing was admissible) of every step.
+    laser None: the field alone says what is in the way. The world must stand still, the laser must be ideal, the
+    footprint the disc. Movers, faults of the laser and another loop are for `simulate.run`: ValueError.
     """
     loop = loop or Loop()
-    plain = Sensing(beams=sensors.beams, field_of_view=sensors.field_of_view, range_max=sensors.range_max)
-    if world.movers or sensors != plain or loop.motor_lag or params.footprint or params.sampling != "closed":
-        raise ValueError("the compiled loop knows no movers, noise, motor lag, footprint or printed sampling")
+    _refuse(world, params, laser, loop)
     a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
-    pose = a if a.size == 3 else np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]))
-    given = rules or shipped("thesis_table_3_2")
-    ends = np.array(
-        [loop.goal_tolerance, np.ceil(loop.stall_time / params.dt - 1e-9), loop.stall_distance, loop.stall_angle]
+    towards = loop.heading if loop.heading is not None else np.arctan2(b[1] - a[1], b[0] - a[0])
+    ready = prepared(robot, params)
+    poses, commands, weights, clearances, notes, status = _drive(
+        world.scene,
+        NO_CHART if field is None else field.chart,
+        (a if a.size == 3 else np.append(a, towards), b[:2].copy()),
+        ready.limits,
+        ready.settings,
+        (ready.weights, rules or shipped("thesis_table_3_2"), rules is not None),
+        _beams(laser),
+        _ends(loop, params.dt, t_max),
     )
-    known = (NO_FIELD, NO_FRAME) if field is None else (field.values, np.array([field.resolution, *field.origin]))
-    switches = np.array([params.distance == "end", params.bound == "as_printed", rules is not None, params.blind])
-    numbers = np.array([given.n_terms, given.n_rules, len(given.slots), int(np.floor(t_max / params.dt + 1e-9))])
-    weights = np.asarray(params.weights, dtype=float)
-    poses, commands, used, clearance, status, uncovered, braking = _drive(
-        world._static,
-        known,
-        pose,
-        b[:2].copy(),
-        limits_of(robot),
-        params.settings,
-        switches,
-        weights,
-        given.arrays,
-        numbers,
-        ends,
-        sensors.angles,
-        sensors.range_max,
+    log = dict(zip(("alpha", "beta", "gamma"), weights.T, strict=True))
+    return Run(
+        t=params.dt * np.arange(len(poses), dtype=float),
+        poses=poses,
+        commands=commands,
+        clearance=clearances,
+        log={**log, "uncovered": notes[:, 0], "braking": notes[:, 1]},
+        status=STATUSES[status],
+        goal=b[:2].copy(),
+        radius=robot.radius,
+        contacts_moving=int(status == COLLIDED),
     )
-    return Drive(poses, commands, used, clearance, STATUS[status], uncovered, braking, params.dt)
+
+
+def _refuse(world: World, params: Params, laser: Laser | None, loop: Loop) -> None:
+    """Raise ValueError for what only the open loop can drive."""
+    faulty = laser is not None and (laser.noise > 0.0 or laser.dropout > 0.0)
+    if world.movers or faulty or params.footprint or params.sampling != "closed":
+        raise ValueError("the compiled loop knows no movers, faults of the laser, footprint or printed sampling")
+    if not loop.stop_at_contact or any(loop.velocity) or loop.by_euler:
+        raise ValueError("the compiled loop starts at rest, drives exact arcs and ends at a contact")
+
+
+def _beams(laser: Laser | None) -> tuple[Array, Array]:
+    """Angles of the beams, and one BEAMS record."""
+    if laser is None:
+        return NO_RADII, np.array([(0.0, np.inf, False)], dtype=BEAMS)
+    return laser.angles, np.array([(laser.range_min, laser.range_max, True)], dtype=BEAMS)
+
+
+def _ends(loop: Loop, dt: float, t_max: float) -> Array:
+    """When a run ends: one ENDS record."""
+    steps = int(np.floor(t_max / dt + 1e-9))
+    stall = steps + 1 if np.isinf(loop.stall_time) else int(np.ceil(loop.stall_time / dt - 1e-9))
+    blind = int(np.ceil(Stuck().blind / dt - 1e-9))
+    return np.array([(steps, loop.goal_tolerance, stall, loop.stall_distance, loop.stall_angle, blind)], dtype=ENDS)
 
 
 @njit(cache=True)
-def _weights(inputs, nominal, arrays, counts, out):
-    """Weights for one state into `out`; whether a rule fired."""
-    values, firing = np.empty((1, 3)), np.empty((1, counts[1]))
-    memberships, strengths = np.empty((1, counts[0])), np.empty((1, counts[2]))
-    before = (inputs.reshape(1, 3), np.empty((1, 0)), np.empty((0, 3)))
-    _infer(*(before + arrays + (values, memberships, firing, strengths)))
-    if firing.max() <= 0.0:
-        out[:] = nominal
+def _sense(scene: Scene, pose: Array, beams: Any, size: float, settings: Any, charted: bool) -> tuple[Any, float]:
+    """What the laser shows (points, border of what was seen, its radii, how many bound gaps), and the nearest point.
+
+    The border is left out where a map says what the beams do not show.
+    """
+    angles, laser = beams[0], beams[1][0]
+    if not laser.scanned:
+        return NO_SCAN, np.inf
+    seen, _ = scan(scene, np.empty((0, 3)), pose.reshape(1, 3), angles, laser.range_max)
+    ranges, points, count, nearest = seen[0], np.empty((angles.size, 2)), 0, np.inf
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    for i in range(angles.size):
+        if ranges[i] >= laser.range_max:
+            ranges[i] = np.inf
+        elif ranges[i] < laser.range_min:
+            ranges[i] = -np.inf
+        else:
+            x, y = ranges[i] * np.cos(angles[i]), ranges[i] * np.sin(angles[i])
+            points[count, 0], points[count, 1] = c * x - s * y + pose[0], s * x + c * y + pose[1]
+            nearest = min(nearest, np.hypot(points[count, 0] - pose[0], points[count, 1] - pose[1]))
+            count += 1
+    if charted or not settings.blind:
+        return (points[:count], NO_POINTS, NO_RADII, 0), nearest
+    rim, radii, holes = border(ranges, angles, pose, laser.range_max, size, NO_POINTS, settings.thinnest)
+    return (points[:count], rim, radii, holes), nearest
+
+
+@njit(cache=True)
+def _weigh(pose: Array, goal: Array, speed: float, near: float, mind: Any, out: Array) -> bool:
+    """Weights for one state into `out`; whether a rule fired. mind: nominal weights, rules, whether they are used."""
+    nominal, tables, _ = mind
+    bearing = wrap(np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2])
+    inputs = np.array(
+        [min(abs(np.degrees(bearing)), 180.0), min(max(near, 0.0), 15.0), min(abs(speed), 1.0)]
+    )  # cut to their ranges, as `weights.inputs_of` does
+    values = np.empty(3)
+    out[:] = nominal
+    if infer_one(tables, inputs, values) <= 0.0:
         return False
     for k in range(3):
-        out[k] = max(values[0, k], 0.0) if np.isfinite(values[0, k]) else nominal[k]
-    return True
+        if np.isfinite(values[k]):
+            out[k] = max(values[k], 0.0)
+    if out.sum() > 0.0:
+        return True
+    out[:] = nominal
+    return False
 
 
 @njit(cache=True)
-def _moved(pose, v, omega, dt):
-    """`robot.move` for one pose."""
-    turn = omega * dt
-    x = np.pi * (turn / (2.0 * np.pi) if turn != 0.0 else 1e-20)
-    chord, middle = v * dt * (np.sin(x) / x), pose[2] + turn / 2.0
-    heading = (pose[2] + turn + np.pi) % (2.0 * np.pi) - np.pi
-    return np.array([pose[0] + chord * np.cos(middle), pose[1] + chord * np.sin(middle), heading])
-
-
-@njit(cache=True)
-def _least(static, pose, v, omega, dt, radius):
+def _least(scene: Scene, pose: Array, v: float, omega: float, dt: float, radius: float) -> float:
     """Least clearance of the rim during a step, as the open loop looks for it."""
-    mask, cells, frame, bounds, discs, rectangles = static
-    none, least = np.empty((0, 3)), np.inf
-    after = _moved(pose, v, omega, dt)
-    end = _clearance(mask, cells, frame, bounds, discs, rectangles, none, after[:2].copy().reshape(1, 2))[0] - radius
+    none, least, at = np.empty((0, 3)), np.inf, np.empty((1, 2))
+    at[0, 0], at[0, 1], _ = arc(pose[0], pose[1], pose[2], v, omega, dt)
+    end = clearance(scene, none, at)[0] - radius
     if end > abs(v) * dt + 0.05:
         return end
     for u in (0.2, 0.4, 0.6, 0.8):
-        between = _moved(pose, v, omega, u * dt)[:2].copy().reshape(1, 2)
-        least = min(least, _clearance(mask, cells, frame, bounds, discs, rectangles, none, between)[0] - radius)
+        at[0, 0], at[0, 1], _ = arc(pose[0], pose[1], pose[2], v, omega, u * dt)
+        least = min(least, clearance(scene, none, at)[0] - radius)
     return min(end, least)
 
 
 @njit(cache=True)
-def _stalled(poses, n, ends):
+def _stalled(poses: Array, n: int, ends: Any) -> bool:
     """Whether the last steps led nowhere."""
-    first = n - int(ends[1])
+    first = n - ends.stall_steps
     if first < 0:
         return False
     far, turned = 0.0, 0.0
     for i in range(first, n + 1):
-        far = max(far, (poses[i, 0] - poses[first, 0]) ** 2 + (poses[i, 1] - poses[first, 1]) ** 2)
-        turned = max(turned, abs((poses[i, 2] - poses[first, 2] + np.pi) % (2.0 * np.pi) - np.pi))
-    return np.sqrt(far) < ends[2] and turned < ends[3]
+        far = max(far, np.hypot(poses[i, 0] - poses[first, 0], poses[i, 1] - poses[first, 1]))
+        turned = max(turned, abs(wrap(poses[i, 2] - poses[first, 2])))
+    return far < ends.stall_distance and turned < ends.stall_angle
 
 
 @njit(cache=True)
-def _drive(static, known, start, goal, limits, settings, switches, nominal, arrays, numbers, ends, angles, range_max):
-    """Poses, commands, weights, clearances, status, uncovered and braking steps."""
-    dt, steps = settings[0], numbers[3]
-    field, frame = known
-    poses, commands, weights = np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 3))
-    clearances, w, pose = np.empty(steps), nominal.copy(), start.copy()
-    points, border, radii, corners = NO_POINTS, NO_POINTS, NO_RADII, NO_POINTS
-    full = angles.size > 2 and angles.size * (angles[1] - angles[0]) > 2.0 * np.pi - 1.5 * (angles[1] - angles[0])
+def _ending(poses: Array, n: int, goal: Array, touching: bool, blind: int, ends: Any) -> int:
+    """The status that ends the run after n steps; TIMEOUT where none does."""
+    if touching:
+        return COLLIDED
+    if np.hypot(goal[0] - poses[n, 0], goal[1] - poses[n, 1]) <= ends.goal_tolerance:
+        return REACHED
+    if blind > ends.blind_steps:
+        return BLIND
+    return STALLED if _stalled(poses, n, ends) else TIMEOUT
+
+
+@njit(cache=True)
+def _drive(
+    scene: Scene, charted: Any, course: Any, limits: Array, settings: Array, mind: Any, beams: Any, ends: Array
+) -> tuple[Array, Array, Array, Array, NDArray[np.bool_], int]:
+    """Poses, commands, weights, clearances, (uncovered, braking) of every step, and the status.
+
+    course: start pose and goal; beams: angles and one record; mind as in `_weigh`.
+    """
+    (start, goal), (values, frame), lim, own, end = course, charted, limits[0], settings[0], ends[0]
+    chart = Chart(values, frame[0], frame[1], frame[2])
+    poses, commands, weights = np.empty((end.steps + 1, 3)), np.empty((end.steps, 2)), np.empty((end.steps, 3))
+    clearances, notes = np.empty(end.steps), np.zeros((end.steps, 2), dtype=np.bool_)
+    w, pose, ruled = mind[0].copy(), start.copy(), mind[2]
     poses[0] = pose
     v = omega = 0.0
-    uncovered = status = n = braking = 0
-    for k in range(steps):
-        nearest = np.inf
-        if angles.size:
-            scan, _ = _scan(*(static + (np.empty((0, 3)), pose.reshape(1, 3), angles, range_max)))
-            ranges, count = scan[0], 0
-            points = np.empty((angles.size, 2))
-            for i in range(angles.size):
-                if ranges[i] < range_max:
-                    bearing = pose[2] + angles[i]
-                    points[count, 0] = pose[0] + ranges[i] * np.cos(bearing)
-                    points[count, 1] = pose[1] + ranges[i] * np.sin(bearing)
-                    nearest = min(nearest, np.hypot(points[count, 0] - pose[0], points[count, 1] - pose[1]))
-                    count += 1
-                else:
-                    ranges[i] = np.inf
-            points = points[:count]
-            if switches[3]:
-                border, radii = _blind(ranges, angles, pose, range_max, full)
-        if field.size:
-            nearest = min(nearest, _field_at(pose[0], pose[1], field, frame[0], frame[1], frame[2]))
-        if switches[2]:
-            bearing = (np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2] + np.pi) % (2.0 * np.pi) - np.pi
-            near = min(max(nearest - limits[6], 0.0), 15.0)
-            inputs = np.array([min(abs(np.degrees(bearing)), 180.0), near, min(abs(v), 1.0)])
-            uncovered += not _weights(inputs, nominal, arrays, numbers, w)
-        samples = _window(v, omega, limits, settings)
-        _, _, _, _, _, best, _ = _plan(
-            samples, pose, goal, points, border, radii, field, frame, corners, limits, settings, switches, w
-        )
-        braking += best < 0
+    n = blind = 0
+    status = _ending(poses, 0, goal, False, 0, end)
+    while n < end.steps and status == TIMEOUT:
+        sensed, near = _sense(scene, pose, beams, lim.radius, own, values.size > 0)
+        if values.size:
+            near = min(near, field_at(pose[0], pose[1], chart))
+        if ruled:
+            notes[n, 0] = not _weigh(pose, goal, v, near - lim.radius, mind, w)
+        samples = window(v, omega, lim, own)
+        made = decide(samples, pose, goal, sensed, charted, (limits, NO_POINTS), settings, w)
+        reasons, best = made[2], made[5]
+        notes[n, 1] = best < 0
         chosen = samples.shape[0] - 1 if best < 0 else best
-        low, high, right, left = _reachable(v, omega, limits, dt)
-        v, omega = min(max(samples[chosen, 0], low), high), min(max(samples[chosen, 1], right), left)
-        clearances[k] = _least(static, pose, v, omega, dt, limits[6])
-        pose = _moved(pose, v, omega, dt)
-        commands[k, 0], commands[k, 1] = v, omega
-        weights[k], poses[k + 1] = w, pose
-        n = k + 1
-        if clearances[k] <= 0.0 and abs(v) > STILL:
-            status = 3
-        elif np.hypot(goal[0] - pose[0], goal[1] - pose[1]) <= ends[0]:
-            status = 1
-        elif _stalled(poses, n, ends):
-            status = 2
-        if status:
-            break
-    return poses[: n + 1], commands[:n], weights[:n], clearances[:n], status, uncovered, braking
+        wish, turn = samples[chosen, 0], samples[chosen, 1]
+        stands = abs(wish) <= STILL and abs(turn) <= STILL and is_blind(samples, reasons)
+        blind = blind + 1 if stands else 0
+        v, omega = limit(wish, turn, v, omega, lim, own.dt)
+        clearances[n] = _least(scene, pose, v, omega, own.dt, lim.radius)
+        pose = np.array(arc(pose[0], pose[1], pose[2], v, omega, own.dt))
+        commands[n, 0], commands[n, 1] = v, omega
+        weights[n], poses[n + 1] = w, pose
+        touching = clearances[n] <= 0.0 and abs(v) > STILL
+        n += 1
+        status = _ending(poses, n, goal, touching, blind, end)
+    return poses[: n + 1], commands[:n], weights[:n], clearances[:n], notes[:n], status
 
 
 def _warm() -> None:
     """Compile the loop for the types used in practice."""
-    drive(
-        World(bounds=(0, 10, 0, 10)),
-        (1.0, 1.0),
-        (9.0, 9.0),
-        t_max=0.2,
-        field=Field(np.full((40, 40), 5.0), 0.25),
-        sensors=Sensing(beams=8),
-    )
+    yard, there = World(bounds=(0, 10, 0, 10)), ((1.0, 1.0), (9.0, 9.0))
+    scanner = Laser(beams=8, field_of_view=2.0 * np.pi, noise=0.0)
+    drive(yard, *there, t_max=0.2, field=Field(np.full((40, 40), 5.0), 0.25), laser=scanner)

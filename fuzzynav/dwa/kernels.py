@@ -1,38 +1,85 @@
-"""Compiled loops of the dynamic window: samples, braking, scores, choice.
+"""Compiled: the samples of a window, what they need to stop, their scores, and the choice among them.
 
-`limits` is the
-array of max_vel_x, min_vel_x, max_vel_theta, acc_lim_x, dec_lim_x, acc_lim_theta, radius; `settings` that of
-dt, sim_time, v_resolution, omega_resolution, d_max, margin, reaction.
+`lim` is one record of `robot.kernels.LIMITS`, `settings` one of SETTINGS.
 """
 
-# mypy: disallow_untyped_defs = False
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fuzzynav.dwa.contact import (
     STILL,
-    _arc_contact,
-    _arc_pose,
-    _end_clearance,
-    _field_at,
-    _field_contact,
-    _near,
-    _polygon_contact,
+    Chart,
+    arc_contact,
+    end_clearance,
+    field_at,
+    field_contact,
+    near_points,
+    polygon_contact,
 )
+from fuzzynav.geometry import Array
+from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
-__all__: list[str] = []
+__all__ = [
+    "ADMISSIBLE", "NO_STOP", "NO_TURN_STOP", "PRINTED_SPEED", "PRINTED_TURN", "SETTINGS", "UNSEEN", "brake", "braking",
+    "decide", "is_blind", "stopping", "window",
+]  # fmt: skip
+
+Reasons = NDArray[np.int64]
 
 TIE = 1e-9  # totals nearer than this are equal: processors differ in the last digit
-ADMISSIBLE, NO_STOP, NO_TURN_STOP, PRINTED_SPEED, PRINTED_TURN = 0, 1, 2, 3, 4
+ADMISSIBLE, NO_STOP, NO_TURN_STOP, PRINTED_SPEED, PRINTED_TURN, UNSEEN = range(6)
+
+SETTINGS = np.dtype(
+    (
+        np.record,
+        [
+            ("dt", "f8"),  # [s]
+            ("sim_time", "f8"),  # [s]
+            ("v_resolution", "f8"),  # [m/s]
+            ("omega_resolution", "f8"),  # [rad/s]
+            ("d_max", "f8"),  # [m]
+            ("margin", "f8"),  # [m]
+            ("reaction", "f8"),  # [s]
+            ("thinnest", "f8"),  # [m]
+            ("at_end", "?"),  # scored is the clearance at the end of the arc
+            ("as_printed", "?"),  # admissible is what eq 3.15 says as printed
+            ("blind", "?"),  # what no beam has crossed counts as occupied
+        ],
+    )
+)
+
+
+class Ground(NamedTuple):
+    """What is in the way of a robot at `pose`; rows of points as `near_points` gives them, in the body frame."""
+
+    pose: Array
+    near: Array  # what was sensed
+    ends: Array  # border of what was seen: ends of beams and lines of sight past edges
+    gaps: Array  # border of what was seen: gaps between beams
+    chart: Chart
+    nearest: float  # [m] from the rim to what was sensed or charted
+
+
+class Way(NamedTuple):
+    """How far one sample may go [m]; [rad] for a footprint that turns in place."""
+
+    free: float  # to the first contact with what was sensed or charted
+    seen: float  # to the end of what the beams have crossed
+    unseen: float  # to ground that no beam came near
+    end: float  # [m] clearance at the end of the arc, where it is asked for
+    need: float  # [m] to a stop
 
 
 @njit(cache=True)
-def _span(low, high, step, add_zero):
+def _span(low: float, high: float, step: float) -> Array:
     """Both ends, equal steps of at most `step` between them, and zero; mirrored ends give mirrored values."""
     count = max(int(np.ceil((high - low) / step - 1e-9)), 0)
-    zero = add_zero and low < -1e-12 and high > 1e-12
+    zero = low < -1e-12 and high > 1e-12
     out = np.empty(count + 1 + int(zero))
     k = 0
     for i in range(count + 1):
@@ -49,21 +96,21 @@ def _span(low, high, step, add_zero):
 
 
 @njit(cache=True)
-def _braking(v, omega, limits):
-    """Deceleration [m/s^2] along the arc: the wheel that must also stop turning may allow less than dec_lim_x."""
-    b = limits[4]
-    if abs(omega) * b > limits[5] * abs(v):
-        b = limits[5] * abs(v) / abs(omega)
+def braking(v: float, omega: float, lim: Any) -> float:
+    """Deceleration [m/s^2] along the arc: the wheel that must also stop turning may allow less than the full one."""
+    b = lim.loss
+    if abs(omega) * b > lim.spin * abs(v):
+        b = lim.spin * abs(v) / abs(omega)
     return b
 
 
 @njit(cache=True)
-def _brake(v, omega, limits, dt):
+def brake(v: float, omega: float, lim: Any, dt: float) -> tuple[float, float]:
     """The emergency candidate: full braking on the same arc."""
     if abs(v) <= STILL:
-        step = limits[5] * dt
+        step = lim.spin * dt
         return 0.0, 0.0 if abs(omega) <= step else omega - np.sign(omega) * step
-    b = _braking(v, omega, limits) * dt
+    b = braking(v, omega, lim) * dt
     if abs(v) <= b:
         return 0.0, 0.0
     slower = v - np.sign(v) * b
@@ -71,7 +118,7 @@ def _brake(v, omega, limits, dt):
 
 
 @njit(cache=True)
-def _stopping(v, deceleration, dt):
+def stopping(v: float, deceleration: float, dt: float) -> float:
     """Distance [m] travelled by |v| held for dt and then lowered by deceleration dt in every further step."""
     v = abs(v)
     drop = deceleration * dt
@@ -82,25 +129,11 @@ def _stopping(v, deceleration, dt):
 
 
 @njit(cache=True)
-def _reachable(v, omega, limits, dt):
-    """Ends of the window: lowest and highest v, lowest and highest omega after dt; as `robot.limit` clips."""
-    gain, loss, step = limits[3] * dt, limits[4] * dt, limits[5] * dt
-    ratio = limits[3] / limits[4]
-    up = v + gain if v >= 0.0 else (v + loss if v + loss <= 0.0 else (v + loss) * ratio)
-    down = v - gain if v <= 0.0 else (v - loss if v - loss >= 0.0 else (v - loss) * ratio)
-    low, high = min(max(limits[1], down), up), min(max(limits[0], down), up)
-    right = min(max(-limits[2], omega - step), omega + step)
-    left = min(max(limits[2], omega - step), omega + step)
-    return low, high, right, left
-
-
-@njit(cache=True)
-def _window(v, omega, limits, settings):
+def window(v: float, omega: float, lim: Any, settings: Any) -> Array:
     """Samples (n, 2) of the window; the last one is the emergency candidate."""
-    dt = settings[0]
-    low, high, right, left = _reachable(v, omega, limits, dt)
-    vs = _span(low, high, settings[2], True)
-    ws = _span(right, left, settings[3], True)
+    down, up, right, left = reach(v, omega, lim, settings.dt)
+    vs = _span(clip(lim.v_low, down, up), clip(lim.v_high, down, up), settings.v_resolution)
+    ws = _span(clip(-lim.omega, right, left), clip(lim.omega, right, left), settings.omega_resolution)
     out = np.empty((vs.size * ws.size + 1, 2))
     k = 0
     for a in vs:
@@ -108,34 +141,52 @@ def _window(v, omega, limits, settings):
             out[k, 0] = a if abs(a) > STILL else 0.0
             out[k, 1] = b
             k += 1
-    out[k, 0], out[k, 1] = _brake(v, omega, limits, dt)
+    out[k, 0], out[k, 1] = brake(v, omega, lim, settings.dt)
     return out
 
 
 @njit(cache=True)
-def _heading(v, omega, goal_x, goal_y, sim_time):
+def _heading(v: float, omega: float, goal_x: float, goal_y: float, sim_time: float) -> float:
     """180 minus the angle [deg] between the final heading and the direction to the goal."""
-    x, y, turn = _arc_pose(v, omega, sim_time)
+    x, y, turn = arc(0.0, 0.0, 0.0, v, omega, sim_time)
     dx, dy = goal_x - x, goal_y - y
     c, s = np.cos(turn), np.sin(turn)
     return 180.0 - abs(np.degrees(np.arctan2(c * dy - s * dx, c * dx + s * dy)))
 
 
 @njit(cache=True)
-def _reason(v, omega, free, end, limits, settings, printed, polygon):
+def _reason(v: float, omega: float, way: Way, lim: Any, settings: Any, polygon: bool) -> int:
     """Why a sample is refused; ADMISSIBLE if it is not."""
-    if printed:
-        if v > np.sqrt(2.0 * end * limits[4]):
+    if settings.as_printed:
+        if v > np.sqrt(2.0 * way.end * lim.loss):
             return PRINTED_SPEED
-        return PRINTED_TURN if omega > np.sqrt(2.0 * end * limits[5]) else ADMISSIBLE
+        return PRINTED_TURN if omega > np.sqrt(2.0 * way.end * lim.spin) else ADMISSIBLE
     if abs(v) <= STILL:
-        return NO_TURN_STOP if polygon and _stopping(omega, limits[5], settings[0]) > free else ADMISSIBLE
-    need = _stopping(v, _braking(v, omega, limits), settings[0]) + abs(v) * settings[6] + settings[5]
-    return NO_STOP if need > free else ADMISSIBLE
+        need = stopping(omega, lim.spin, settings.dt) if polygon else 0.0
+        if need > min(way.free, way.seen):
+            return NO_TURN_STOP
+        return UNSEEN if need > way.unseen else ADMISSIBLE
+    need = way.need + abs(v) * settings.reaction + settings.margin
+    if need > min(way.free, way.seen):
+        return NO_STOP
+    return UNSEEN if need > way.unseen else ADMISSIBLE
 
 
 @njit(cache=True)
-def _choose(raw, reasons, samples, weights):
+def is_blind(samples: Array, reasons: Reasons) -> bool:
+    """Whether every sample that drives (every sample, where none does) is refused because too little was told."""
+    drives, told = False, False
+    for i in range(samples.shape[0]):
+        if abs(samples[i, 0]) > STILL:
+            drives = True
+            if reasons[i] < UNSEEN:
+                return False
+        told = told or reasons[i] < UNSEEN
+    return drives or not told
+
+
+@njit(cache=True)
+def _choose(raw: Array, reasons: Reasons, samples: Array, weights: Array) -> tuple[Array, Array, int]:
     """Shares of eq 3.21, totals of eq 3.17 and the index of the best admissible sample (-1: there is none)."""
     n = samples.shape[0]
     shares, totals = np.zeros((n, 3)), np.full(n, np.nan)
@@ -164,84 +215,99 @@ def _choose(raw, reasons, samples, weights):
 
 
 @njit(cache=True)
-def _rate(samples, pose, goal, near, blind, field, frame, corners, limits, settings, modes, nearest):
+def _contact(v: float, omega: float, near: Array, corners: Array) -> float:
+    """Travel until the robot, a polygon or the disc, first touches one of the points."""
+    return polygon_contact(v, omega, near, corners) if corners.shape[0] else arc_contact(v, omega, near)
+
+
+@njit(cache=True)
+def _rate(
+    samples: Array, goal: Array, ground: Ground, corners: Array, lim: Any, settings: Any
+) -> tuple[Array, Array, Reasons]:
     """Raw scores, ways (contact, known free way, end clearance, stopping) and the reason of refusal of each sample.
 
-    modes: [distance is END, bound is as printed]. A sample that stands still has no arc: its way to first contact is
-    the clearance around it.
+    A sample that stands still has no arc: its way to first contact is the clearance around it.
     """
     n = samples.shape[0]
     raw, ways, reasons = np.empty((n, 3)), np.empty((n, 4)), np.empty(n, dtype=np.int64)
+    pose, near, ends, gaps, chart, nearest = ground
     c, s = np.cos(pose[2]), np.sin(pose[2])
     gx, gy = c * (goal[0] - pose[0]) + s * (goal[1] - pose[1]), c * (goal[1] - pose[1]) - s * (goal[0] - pose[0])
     for i in range(n):
         v, omega = samples[i, 0], samples[i, 1]
-        need = _stopping(v, _braking(v, omega, limits), settings[0])
-        if corners.shape[0]:
-            free = _polygon_contact(v, omega, near, corners)
-            known = min(free, _polygon_contact(v, omega, blind, corners))
-        else:
-            free = _arc_contact(v, omega, near)
-            known = min(free, _arc_contact(v, omega, blind))
-        if field.size:
-            reach = max(settings[4], need + abs(v) * settings[6] + settings[5])
-            free = min(free, _field_contact(v, omega, pose, field, frame, limits[6], reach))
-            known = min(known, free)
+        need = stopping(v, braking(v, omega, lim), settings.dt)
+        free, seen = _contact(v, omega, near, corners), _contact(v, omega, ends, corners)
+        unseen = _contact(v, omega, gaps, corners)
+        if chart.values.size:
+            far = max(settings.d_max, need + abs(v) * settings.reaction + settings.margin)
+            charted, uncharted = field_contact(v, omega, pose, chart, lim.radius, far)
+            if uncharted:
+                unseen = min(unseen, charted)
+            else:
+                free = min(free, charted)
         end = np.inf
-        if modes[0] or modes[1]:
-            end = _end_clearance(v, omega, near, field, frame, pose, limits[6], settings[1])
-        ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3] = free, known, end, need
-        reasons[i] = _reason(v, omega, known, end, limits, settings, modes[1], corners.shape[0] > 0)
-        raw[i, 0] = _heading(v, omega, gx, gy, settings[1])
-        raw[i, 1] = min(end if modes[0] else (max(nearest, 0.0) if abs(v) <= STILL else free), settings[4])
+        if settings.at_end or settings.as_printed:
+            end = end_clearance(v, omega, near, pose, chart, lim.radius, settings.sim_time)
+        ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3] = free, min(free, seen, unseen), end, need
+        reasons[i] = _reason(v, omega, Way(free, seen, unseen, end, need), lim, settings, corners.shape[0] > 0)
+        raw[i, 0] = _heading(v, omega, gx, gy, settings.sim_time)
+        clear = max(nearest, 0.0) if abs(v) <= STILL else free
+        raw[i, 1] = min(end if settings.at_end else clear, settings.d_max)
         raw[i, 2] = max(v, 0.0)
     return raw, ways, reasons
 
 
 @njit(cache=True)
-def _plan(
-    samples, pose, goal, points, blind_points, blind_radii, field, frame, corners, limits, settings, modes, weights
-):
-    """One decision: raw scores, ways, reasons, shares, totals, best index and the nearest point's distance."""
+def _around(samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Array, lim: Any, settings: Any) -> Ground:
+    """What lies within reach of the samples; sensed: points, border of what was seen, its radii, number of gaps' ones.
+
+    Within reach is what the fastest sample could meet before it stands, or what could be scored.
+    """
+    points, border, radii, holes = sensed
     fastest = 0.0
     for i in range(samples.shape[0]):
         fastest = max(fastest, abs(samples[i, 0]))
-    size = limits[6]
+    size = lim.radius
     for i in range(corners.shape[0]):
         size = max(size, np.sqrt(corners[i, 0] ** 2 + corners[i, 1] ** 2))
-    slowest = min(limits[4], limits[5] / limits[2] * fastest) if fastest > STILL else limits[4]
-    reach = max(settings[4], _stopping(fastest, slowest, settings[0]) + fastest * settings[6] + settings[5])
-    if modes[0] or modes[1]:
-        reach = np.inf
-    near, nearest = _near(pose, points, np.zeros(points.shape[0]), size, reach)
-    blind, _ = _near(pose, blind_points, blind_radii, size, reach)
-    if field.size:
-        nearest = min(nearest, _field_at(pose[0], pose[1], field, frame[0], frame[1], frame[2]) - limits[6])
-    raw, ways, reasons = _rate(
-        samples, pose, goal, near, blind, field, frame, corners, limits, settings, modes, nearest
-    )
+    slowest = min(lim.loss, lim.spin / lim.omega * fastest) if fastest > STILL else lim.loss
+    far = max(settings.d_max, stopping(fastest, slowest, settings.dt) + fastest * settings.reaction + settings.margin)
+    if settings.at_end or settings.as_printed:
+        far = np.inf
+    near, nearest = near_points(pose, points, np.zeros(points.shape[0]), size, far)
+    gaps, _ = near_points(pose, border[:holes], radii[:holes], size, far)
+    ends, _ = near_points(pose, border[holes:], radii[holes:], size, far)
+    if chart.values.size:
+        nearest = min(nearest, field_at(pose[0], pose[1], chart) - lim.radius)
+    return Ground(pose, near, ends, gaps, chart, nearest)
+
+
+@njit(cache=True)
+def decide(
+    samples: Array, pose: Array, goal: Array, sensed: Any, charted: Any, body: Any, settings: Any, weights: Array
+) -> tuple[Array, Array, Reasons, Array, Array, int, float]:
+    """One decision: raw scores, ways, reasons, shares, totals, best index and the nearest point's distance.
+
+    sensed as for the ground around; charted: values and (resolution, x, y) of a field; body: the robot's limits and
+    the corners of its footprint.
+    """
+    values, frame = charted
+    limits, corners = body
+    lim, chosen = limits[0], settings[0]
+    chart = Chart(values, frame[0], frame[1], frame[2])
+    ground = _around(samples, pose, sensed, chart, corners, lim, chosen)
+    raw, ways, reasons = _rate(samples, goal, ground, corners, lim, chosen)
     shares, totals, best = _choose(raw, reasons, samples, weights)
-    return raw, ways, reasons, shares, totals, best, nearest
+    return raw, ways, reasons, shares, totals, best, ground.nearest
 
 
 def _warm() -> None:
     """Compile every kernel for the types used in practice."""
-    pose, goal, points = np.zeros(3), np.ones(2), np.array([[2.0, 1.0]])
-    limits = np.array([1.0, 0.0, 0.35, 0.2, 0.2, 0.87, 0.3])
-    settings = np.array([0.1, 3.0, 0.01, 0.017, 2.0, 0.0, 0.0])
-    samples = _window(0.5, 0.1, limits, settings)
-    _plan(
-        samples,
-        pose,
-        goal,
-        points,
-        points,
-        np.zeros(1),
-        np.empty((0, 0)),
-        np.array([1.0, 0.0, 0.0]),
-        np.empty((0, 2)),
-        limits,
-        settings,
-        np.array([False, False]),
-        np.array([0.8, 0.1, 0.1]),
-    )
+    limits = np.array([(0.0, 1.0, 0.35, 0.2, 0.2, 0.87, 0.3)], dtype=LIMITS)
+    settings = np.array([(0.1, 3.0, 0.01, 0.017, 2.0, 0.0, 0.0, 0.2, False, False, True)], dtype=SETTINGS)
+    none, points = np.empty((0, 2)), np.array([[2.0, 1.0]])
+    samples = window(0.5, 0.1, limits[0], settings[0])
+    stopping(0.5, braking(0.5, 0.1, limits[0]), 0.1)
+    charted, weights = (np.empty((0, 0)), np.array([1.0, 0.0, 0.0])), np.ones(3)
+    sensed = (points, points, np.zeros(1), 0)
+    decide(samples, np.zeros(3), np.ones(2), sensed, charted, (limits, none), settings, weights)

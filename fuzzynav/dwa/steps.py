@@ -11,14 +11,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fuzzynav.checks import not_negative, one_of, positive
 from fuzzynav.dwa import kernels
-from fuzzynav.dwa.contact import _arc_contact, _near
+from fuzzynav.dwa.contact import arc_contact, near_points
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot, limit, move
+from fuzzynav.robot import Robot, limit, limits_of, move
 
 __all__ = [
-    "CHAPTER_3",
-    "CHAPTER_4",
+    "TABLE_3_3",
+    "TABLE_4_1",
     "Params",
     "admissible",
     "admissible_as_printed",
@@ -28,7 +29,6 @@ __all__ = [
     "end_clearance",
     "free_distance",
     "heading_score",
-    "limits_of",
     "normalise",
     "objective",
     "speed_score",
@@ -46,6 +46,9 @@ class Params:
 
     The defaults are thesis table 3.3, with the resolution that can start (errata T31) and our choices for what it
     does not print: dt, d_max. Raises ValueError for weights below zero or all zero, and for a horizon under one step.
+
+    `thinnest` is a promise about the world: no obstacle is thinner, and none has a corner under 90 degrees. Between two
+    beams the ground is known as far as nothing of that size can hide (`dwa.sight`).
     """
 
     weights: tuple[float, float, float] = (0.8, 0.1, 0.1)  # heading, distance, speed
@@ -60,76 +63,57 @@ class Params:
     bound: Literal["arc", "as_printed"] = "arc"  # what is admissible: braking on the arc, or eq 3.15 as printed
     sampling: Literal["closed", "as_printed"] = "closed"  # both ends of the window, or steps from its lower end
     blind: bool = True  # what no beam has crossed counts as occupied for braking
+    thinnest: float = 0.2  # [m] of the obstacles that a scan must not miss
     footprint: tuple[tuple[float, float], ...] | None = None  # convex, counter-clockwise [m]; None: the disc
 
     def __post_init__(self) -> None:
         w = np.asarray(self.weights, dtype=float)
-        if w.shape != (3,) or not np.isfinite(w).all() or w.min() < 0 or w.max() <= 0:
+        if w.shape != (3,) or not np.isfinite(w).all() or w.min() < 0 or not 0 < w.sum() < np.inf:
             raise ValueError(f"weights must be three numbers, none negative and not all zero, got {self.weights}")
-        for name in ("sim_time", "dt", "v_resolution", "omega_resolution", "d_max"):
-            if not (np.isfinite(getattr(self, name)) and getattr(self, name) > 0):
-                raise ValueError(f"{name} must be positive and finite, got {getattr(self, name)}")
+        for name in ("sim_time", "dt", "v_resolution", "omega_resolution", "d_max", "thinnest"):
+            positive(**{name: getattr(self, name)})
         if self.sim_time < self.dt:
             raise ValueError(f"the horizon sim_time {self.sim_time} s is shorter than one step of {self.dt} s")
-        if self.margin < 0 or self.reaction < 0:
-            raise ValueError("margin and reaction must not be negative")
-        for name, known in (
-            ("distance", ("arc", "end")),
-            ("bound", ("arc", "as_printed")),
-            ("sampling", ("closed", "as_printed")),
-        ):
-            if getattr(self, name) not in known:
-                raise ValueError(f"{name} must be one of {', '.join(known)}, got '{getattr(self, name)}'")
+        not_negative(margin=self.margin, reaction=self.reaction)
+        one_of(("arc", "end"), distance=self.distance)
+        one_of(("arc", "as_printed"), bound=self.bound)
+        one_of(("closed", "as_printed"), sampling=self.sampling)
         if self.footprint is not None and not _convex(np.asarray(self.footprint, dtype=float)):
             raise ValueError("the footprint must be a convex polygon, counter-clockwise, around the origin")
 
+        if not isinstance(self.weights, tuple):
+            object.__setattr__(self, "weights", tuple(w.tolist()))
+        if self.footprint is not None:
+            object.__setattr__(self, "footprint", tuple((float(x), float(y)) for x, y in self.footprint))
+
     @property
     def settings(self) -> Array:
-        """The numbers the kernels take, in their order."""
-        return np.array(
-            [self.dt, self.sim_time, self.v_resolution, self.omega_resolution, self.d_max, self.margin, self.reaction]
-        )
+        """The parameters as the kernels take them: an array of one `kernels.SETTINGS` record."""
+        plain = (*(getattr(self, name) for name in kernels.SETTINGS.names[:8]), self.distance == "end")
+        return np.array([(*plain, self.bound == "as_printed", self.blind)], dtype=kernels.SETTINGS)
 
 
-CHAPTER_3 = Params()
-CHAPTER_4 = Params(weights=(0.05, 0.2, 0.3))
+TABLE_3_3 = Params()
+TABLE_4_1 = Params(weights=(0.05, 0.2, 0.3))
 
 
 # --- the steps, one by one -----------------------------------------------------------------------
 
 
-def limits_of(robot: Robot) -> Array:
-    """The robot's limits as the kernels take them.
-
-    Source: thesis eq 4.11.
-    """
-    return np.array(
-        [
-            robot.max_vel_x,
-            robot.min_vel_x,
-            robot.max_vel_theta,
-            robot.acc_lim_x,
-            robot.dec_lim_x,
-            robot.acc_lim_theta,
-            robot.radius,
-        ]
-    )
-
-
-def window(velocity: ArrayLike, robot: Robot, params: Params = CHAPTER_3) -> Array:
+def window(velocity: ArrayLike, robot: Robot, params: Params = TABLE_3_3) -> Array:
     """Samples `(n, 2)` of the speeds within reach: both ends of the window, zero, and last the emergency candidate.
 
-    Source: thesis eq 4.12 (errata T36).
+    Source: thesis eq 4.11 and 4.12 (errata T36).
 
     >>> from fuzzynav.robot import THESIS
     >>> window([0.5, 0.0], THESIS)[:, 0].max().round(3).item()
     0.52
     """
     v, omega = np.asarray(velocity, dtype=float)
-    return np.asarray(kernels._window(v, omega, limits_of(robot), params.settings))
+    return np.asarray(kernels.window(v, omega, limits_of(robot)[0], params.settings[0]))
 
 
-def window_as_printed(velocity: ArrayLike, robot: Robot, params: Params = CHAPTER_3) -> Array:
+def window_as_printed(velocity: ArrayLike, robot: Robot, params: Params = TABLE_3_3) -> Array:
     """Samples `(n, 2)` in steps from the lower end of the window: the upper end is met by chance only (errata T31)."""
     low = limit([robot.min_vel_x, -robot.max_vel_theta], velocity, robot, params.dt)
     high = limit([robot.max_vel_x, robot.max_vel_theta], velocity, robot, params.dt)
@@ -141,7 +125,7 @@ def window_as_printed(velocity: ArrayLike, robot: Robot, params: Params = CHAPTE
 def brake(velocity: ArrayLike, robot: Robot, dt: float) -> Array:
     """The emergency candidate `(2,)`: full braking on the same arc, so that it stays where it was found free."""
     v, omega = np.asarray(velocity, dtype=float)
-    return np.array(kernels._brake(v, omega, limits_of(robot), dt))
+    return np.array(kernels.brake(v, omega, limits_of(robot)[0], dt))
 
 
 def arcs(pose: ArrayLike, samples: ArrayLike, times: ArrayLike) -> Array:
@@ -176,8 +160,8 @@ def free_distance(pose: ArrayLike, samples: ArrayLike, points: ArrayLike, radius
     [1.7]
     """
     pts = np.ascontiguousarray(np.asarray(points, dtype=float).reshape(-1, 2))
-    near, _ = _near(np.asarray(pose, dtype=float), pts, np.zeros(len(pts)), radius, np.inf)
-    return np.array([_arc_contact(v, w, near) for v, w in np.asarray(samples, dtype=float)])
+    near, _ = near_points(np.asarray(pose, dtype=float), pts, np.zeros(len(pts)), radius, np.inf)
+    return np.array([arc_contact(v, w, near) for v, w in np.asarray(samples, dtype=float)])
 
 
 def end_clearance(pose: ArrayLike, samples: ArrayLike, points: ArrayLike, radius: float, sim_time: float) -> Array:
@@ -196,9 +180,9 @@ def stopping_distance(samples: ArrayLike, robot: Robot, dt: float) -> Array:
     >>> stopping_distance([[1.0, 0.0]], THESIS, 0.1).round(3).tolist()
     [2.55]
     """
-    limits = limits_of(robot)
+    lim = limits_of(robot)[0]
     rows = np.asarray(samples, dtype=float).reshape(-1, 2)
-    return np.array([kernels._stopping(v, kernels._braking(v, w, limits), dt) for v, w in rows])
+    return np.array([kernels.stopping(v, kernels.braking(v, w, lim), dt) for v, w in rows])
 
 
 def admissible(samples: ArrayLike, free: ArrayLike, robot: Robot, dt: float) -> NDArray[np.bool_]:

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.dwa.decision import Controller, Field, Stuck
-from fuzzynav.dwa.steps import CHAPTER_3, Params
+from fuzzynav.control import Observation
+from fuzzynav.dwa.controller import Controller, Stuck
+from fuzzynav.dwa.decision import Field
+from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot
-from fuzzynav.world.world import Observation
+from fuzzynav.robot import Robot
 
-__all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "controller", "inputs_of"]
+__all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "fuzzy_controller", "inputs_of", "retuned"]
 
 INPUTS = ("headGoal", "distObs", "velRob")
 OUTPUTS = ("alpha", "beta", "gamma")
@@ -34,11 +35,12 @@ def inputs_of(observation: Observation, nearest: float) -> Array:
 class FuzzyWeights:
     """Weights from a rule base, for `dwa.Controller(weigh=...)`.
 
-    Where no rule fires the nominal weights hold and the step is reported as uncovered (errata T40).
+    Where no rule fires, or all three weights come out as 0, the nominal weights hold and the step is reported as
+    uncovered (errata T40).
     Raises ValueError unless the system has the inputs headGoal, distObs, velRob and the outputs alpha, beta, gamma.
     """
 
-    def __init__(self, system: FuzzySystem, nominal: ArrayLike = CHAPTER_3.weights) -> None:
+    def __init__(self, system: FuzzySystem, nominal: ArrayLike = TABLE_3_3.weights) -> None:
         self.system, self.nominal = system, np.asarray(nominal, dtype=float)
         named = tuple(v.name for v in system.inputs), tuple(v.name for v in system.outputs)
         if set(named[0]) != set(INPUTS) or set(named[1]) != set(OUTPUTS):
@@ -53,17 +55,18 @@ class FuzzyWeights:
         if not float(np.max(result.firing)) > 0.0:
             return self.nominal.copy(), False
         values = np.array([float(np.asarray(result.values[k])) for k in self._out])
-        return np.where(np.isfinite(values), np.maximum(values, 0.0), self.nominal), True
+        weights = np.where(np.isfinite(values), np.maximum(values, 0.0), self.nominal)
+        return (weights, True) if weights.sum() > 0.0 else (self.nominal.copy(), False)
 
     def __call__(self, observation: Observation, nearest: float) -> tuple[Array, bool]:
         """Weights for this step, and whether a rule covered it."""
         return self.at(inputs_of(observation, nearest))
 
 
-def controller(
+def fuzzy_controller(
     robot: Robot,
     system: FuzzySystem,
-    params: Params = CHAPTER_3,
+    params: Params = TABLE_3_3,
     *,
     field: Field | None = None,
     stuck: Stuck | None = None,
@@ -71,3 +74,19 @@ def controller(
 ) -> Controller:
     """A dynamic window controller whose weights come from a rule base; the parameters' weights are its fallback."""
     return Controller(robot, params, weigh=FuzzyWeights(system, params.weights), field=field, stuck=stuck, keep=keep)
+
+
+def retuned(system: FuzzySystem, middles: dict[str, float], widths: dict[str, float]) -> FuzzySystem:
+    """The rule base with other triangles: for each input the peak of its middle set and the reach of all three.
+
+    A reach of 1 is the shipped overlap, where every set ends at its neighbour's peak.
+    """
+    changed = {}
+    for variable in system.inputs:
+        low, high = variable.low, variable.high
+        peak, reach = middles[variable.name], widths[variable.name]
+        left, right = reach * (peak - low), reach * (high - peak)
+        corners = ((low, low, low + left), (peak - left, peak, peak + right), (high - right, high, high))
+        for term, numbers in zip(variable.terms, corners, strict=True):
+            changed[variable.name, term.name] = numbers
+    return system.with_terms(changed)

@@ -2,26 +2,52 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzynav.fuzzy import codes
 from fuzzynav.fuzzy.membership import SHAPES, Term, breakpoints
 from fuzzynav.fuzzy.operators import CONORMS, HEDGES, NORMS
 from fuzzynav.fuzzy.rules import And, Antecedent, Or, Proposition, propositions
-from fuzzynav.fuzzy.variable import DEFUZZIFIERS, QUADRATURES, WEIGHTED, RuleBlock, Variable
+from fuzzynav.fuzzy.variable import DEFUZZIFIERS, MAX_SAMPLES, QUADRATURES, WEIGHTED, RuleBlock, Variable
 from fuzzynav.geometry import Array
 
-__all__ = ["Slot", "Tables", "sample_weights", "tables"]
+__all__ = ["Codes", "Compiled", "Parts", "Slot", "Tables", "check_size", "compile_system", "sample_weights"]
+
 
 Codes = NDArray[np.int64]
+Tables = tuple[Any, ...]
+"""A system as compiled code takes it, the fields of `Parts` in their order: `FuzzySystem.tables`, read-only."""
 
-_SHAPE, _HEDGE = {n: k for k, n in enumerate(SHAPES)}, {n: k for k, n in enumerate(HEDGES)}
-_NORM, _CONORM = {n: k for k, n in enumerate(NORMS)}, {n: k for k, n in enumerate(CONORMS)}
-_LOAD, _STORE, _AND3 = 0, 5, 6
+
+class Parts(NamedTuple):
+    """The tables of a system by name; i counts inputs, o outputs, t terms (inputs' first), r rules, s concluded sets.
+
+    Built inside compiled code, `Parts(*tables)`: there a name costs nothing, on the way from Python it costs
+    microseconds. The columns have names in `codes`. An output that is sampled has rows in `sampled`, an exact one
+    corners in `knots` and the lines between them.
+    """
+
+    n_input_terms: int
+    terms: Codes  # (t, 4): SHAPE, OWNER, FIRST, PAIRS
+    propositions: Codes  # (p, 1 + hedges): TERM (-1: any), FIRST_HEDGE ...
+    program: Codes  # (k, 5): an operation and its operands
+    consequents: Codes  # (c, 2 + hedges): RULE, SET, FIRST_CONCLUSION_HEDGE ..., sorted by set
+    slots: Codes  # (s, 4): SLOT_OUTPUT, SLOT_TERM, IMPLICATION, MERGE
+    outputs: Codes  # (o, 6): FIRST_SET, SETS, AGGREGATION, DEFUZZIFIER, QUADRATURE, SAMPLES
+    ranges: Array  # (i, 3): LOW, HIGH, LOCKED
+    numbers: Array  # (t, 5): up to four parameters, HEIGHT
+    lists: Array  # (l,) numbers of discrete and linear terms
+    weights: Array  # (r,)
+    settings: Array  # (o, 6): low, high, default, centre, lock_range, lock_previous
+    sampled: Array  # (o, 2 + sets, samples): PLACES from the centre, WEIGHTS, FIRST_ROW ...
+    knots: Array  # (o, m)
+    lines: Array  # (o, m - 1, sets, 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,10 +61,10 @@ class Slot:
 
 
 @dataclass(frozen=True, slots=True)
-class Tables:
-    """The arguments of `engine.run` between the points and the results, and what the evidence needs to name them."""
+class Compiled:
+    """The tables of a system, and what the evidence needs to name their columns."""
 
-    arrays: tuple[Any, ...]
+    tables: Tables
     slots: tuple[Slot, ...]
     n_terms: int
     n_rules: int
@@ -52,21 +78,42 @@ def sample_weights(quadrature: str, n: int) -> Array:
     return weights
 
 
-def tables(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> Tables:
+def compile_system(
+    inputs: tuple[Variable, ...], outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]
+) -> Compiled:
     """Flat tables of a validated system."""
     numbers, terms, lists = _terms(inputs, outputs)
     props, program, weights = _antecedents(inputs, blocks)
     slots, consequents = _consequents(outputs, blocks)
-    first_output_term = sum(len(v.terms) for v in inputs)
-    settings, codes, *sets = _outputs(outputs, slots)
-    offsets = np.cumsum([0, *(len(v.terms) for v in outputs)]) + first_output_term
-    slot_codes = [(s.output, offsets[s.output] + s.term, _NORM[s.implication], _CONORM[s.merge]) for s in slots]
-    ranges = [(v.low, v.high, float(v.lock_range)) for v in inputs]
-    arrays = (
-        np.array(ranges, dtype=float), terms, numbers, lists, props, program, weights, consequents,
-        _codes(slot_codes, 4), codes, settings, *sets,
+    n_terms = sum(len(v.terms) for v in inputs)
+    settings, out_codes, sampled, knots, lines = _outputs(outputs, slots)
+    offsets = np.cumsum([0, *(len(v.terms) for v in outputs)]) + n_terms
+    slot_codes = [
+        (s.output, int(offsets[s.output]) + s.term, NORMS[s.implication].code, CONORMS[s.merge].code) for s in slots
+    ]
+    parts = Parts(
+        n_input_terms=n_terms, terms=terms, propositions=props, program=program, consequents=consequents,
+        slots=_codes(slot_codes, 4), outputs=out_codes,
+        ranges=np.array([(v.low, v.high, float(v.lock_range)) for v in inputs]), numbers=numbers, lists=lists,
+        weights=weights, settings=settings, sampled=sampled, knots=knots, lines=lines,
     )  # fmt: skip
-    return Tables(arrays=arrays, slots=slots, n_terms=first_output_term, n_rules=len(weights))
+    for array in parts[1:]:
+        array.setflags(write=False)
+    return Compiled(tables=tuple(parts), slots=slots, n_terms=n_terms, n_rules=len(weights))
+
+
+def check_size(outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> None:
+    """Raise ValueError if the sampled sets of the outputs would take more than MAX_SAMPLES numbers."""
+    concluded = Counter(c.variable for block in blocks for rule in block.rules for c in rule.consequents)
+    sampled = [v for v in outputs if v.defuzzifier not in WEIGHTED]
+    for output in sampled:
+        exact = output.quadrature == "exact"
+        width = sum(len(t.parameters) for t in output.terms) if exact else output.resolution
+        if len(sampled) * (2 + concluded[output.name]) * width > MAX_SAMPLES:
+            raise ValueError(
+                f"output {output.name!r}: {concluded[output.name]} conclusions of {width} samples, for {len(sampled)} "
+                f"outputs, are more than {MAX_SAMPLES}; lower the resolution"
+            )
 
 
 def _codes(rows: Sequence[tuple[int, ...]], width: int) -> Codes:
@@ -76,22 +123,22 @@ def _codes(rows: Sequence[tuple[int, ...]], width: int) -> Codes:
 def _terms(inputs: tuple[Variable, ...], outputs: tuple[Variable, ...]) -> tuple[Array, Codes, Array]:
     """Numbers (t, 5), codes (t, 4) and the lists of discrete and linear terms, inputs first."""
     numbers: list[list[float]] = []
-    codes: list[tuple[int, ...]] = []
+    rows: list[tuple[int, ...]] = []
     lists: list[float] = []
     for owner, variable in enumerate((*inputs, *outputs)):
         for term in variable.terms:
-            long = term.shape in ("discrete", "linear")
+            long = SHAPES[term.shape].listed
             numbers.append([*(() if long else term.parameters), 0.0, 0.0, 0.0, 0.0][:4] + [term.height])
             pairs = len(term.parameters) // 2 if term.shape == "discrete" else 0
-            codes.append((_SHAPE[term.shape], owner, len(lists), pairs))
+            rows.append((SHAPES[term.shape].code, owner, len(lists), pairs))
             lists.extend(term.parameters if long else ())
-    return np.array(numbers).reshape(-1, 5), _codes(codes, 4), np.array(lists or [0.0])
+    return np.array(numbers).reshape(-1, 5), _codes(rows, 4), np.array(lists or [0.0])
 
 
 def _hedges(proposition: Proposition, width: int) -> tuple[int, ...]:
-    """Codes of the hedges in the order in which they act (the last word first), padded with -1."""
-    codes = [_HEDGE[word] for word in reversed(proposition.hedges)]
-    return tuple(codes + [-1] * (width - len(codes)))
+    """Codes of the hedges in the order in which they act (the last word first), padded with NO_HEDGE."""
+    found = [HEDGES[word].code for word in reversed(proposition.hedges)]
+    return tuple(found + [codes.NO_HEDGE] * (width - len(found)))
 
 
 def _antecedents(inputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> tuple[Codes, Codes, Array]:
@@ -122,26 +169,26 @@ def _program(
     simple = all(isinstance(part, Proposition) for part in parts)
     if simple and len(parts) <= 3 and block.conjunction == "min":
         places = [known[part] for part in parts if isinstance(part, Proposition)]
-        yield (_AND3, places[0], places[len(places) // 2], places[-1], number)
+        yield (codes.AND_OF_THREE, places[0], places[len(places) // 2], places[-1], number)
         return
     yield from ((*step, 0, 0) for step in _postfix(antecedent, block, known))
-    yield _STORE, number, 0, 0, 0
+    yield codes.STORE, number, 0, 0, 0
 
 
 def _postfix(antecedent: Antecedent, block: RuleBlock, known: dict[Proposition, int]) -> Iterator[tuple[int, ...]]:
-    """Instructions (operation, operand, norm): 1, 2 join a proposition by AND, OR; 3, 4 join the two on top."""
+    """Instructions (operation, operand, norm): join the next proposition by AND or OR, or the two on top."""
     if isinstance(antecedent, Proposition):
-        yield _LOAD, known[antecedent], 0
+        yield codes.LOAD, known[antecedent], 0
         return
     either = isinstance(antecedent, Or)
-    code = _CONORM[block.disjunction] if either else _NORM[block.conjunction]
+    code = CONORMS[block.disjunction].code if either else NORMS[block.conjunction].code
     yield from _postfix(antecedent.parts[0], block, known)
     for part in antecedent.parts[1:]:
         if isinstance(part, Proposition):
-            yield (2 if either else 1), known[part], code
+            yield (codes.OR_NEXT if either else codes.AND_NEXT), known[part], code
         else:
             yield from _postfix(part, block, known)
-            yield (4 if either else 3), 0, code
+            yield (codes.OR_TOP if either else codes.AND_TOP), 0, code
 
 
 def _merge(output: Variable, implication: str) -> str:
@@ -180,7 +227,7 @@ def _consequents(outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -
 
 def _outputs(outputs: tuple[Variable, ...], slots: tuple[Slot, ...]) -> tuple[Array, Codes, Array, Array, Array]:
     """Settings (o, 6), codes (o, 6), sampled sets (o, 2 + n, samples), corners (o, m) and lines (o, m - 1, n, 2)."""
-    settings, codes, sampled, corners, lines = [], [], [], [], []
+    settings, rows_of, sampled, corners, lines = [], [], [], [], []
     for o, output in enumerate(outputs):
         own = [k for k, slot in enumerate(slots) if slot.output == o]
         terms = [output.terms[slots[k].term] for k in own]
@@ -189,15 +236,15 @@ def _outputs(outputs: tuple[Variable, ...], slots: tuple[Slot, ...]) -> tuple[Ar
         knots, pieces = _pieces(output, terms) if exact else (np.empty(0), np.empty((0, 0, 2)))
         rows = np.empty((0, 0)) if exact or weighted else _sampled(output, terms)
         centre = 0.0 if exact or weighted else 0.5 * (output.low + output.high)
-        codes.append((
-            own[0] if own else 0, len(own), _CONORM[str(output.aggregation)], DEFUZZIFIERS.index(output.defuzzifier),
-            QUADRATURES.index(output.quadrature), max(rows.shape[1], len(knots)),
+        rows_of.append((
+            own[0] if own else 0, len(own), CONORMS[str(output.aggregation)].code,
+            DEFUZZIFIERS[output.defuzzifier].code, QUADRATURES[output.quadrature], max(rows.shape[1], len(knots)),
         ))  # fmt: skip
         settings.append([output.low, output.high, output.default, centre, output.lock_range, output.lock_previous])
         sampled.append(rows)
         corners.append(knots)
         lines.append(pieces)
-    return np.array(settings, dtype=float), _codes(codes, 6), _stack(sampled), _stack(corners), _stack(lines)
+    return np.array(settings, dtype=float), _codes(rows_of, 6), _stack(sampled), _stack(corners), _stack(lines)
 
 
 def _stack(arrays: list[Array]) -> Array:

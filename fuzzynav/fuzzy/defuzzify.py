@@ -54,7 +54,8 @@ def centroid(x: ArrayLike, mu: ArrayLike, quadrature: str = "trapezoid") -> Arra
         moment = (step * (left * (2.0 * a + b) + right * (a + 2.0 * b)) / 6.0).sum(-1)
     else:
         raise ValueError(f"unknown quadrature {quadrature!r}; known: trapezoid, midpoint, sum, exact")
-    return middle + _divide(moment, area)
+    result: Array = middle + _divide(moment, area)
+    return result
 
 
 def bisector(x: ArrayLike, mu: ArrayLike) -> Array:
@@ -90,7 +91,8 @@ def maximisers(mu: ArrayLike) -> Array:
     """
     degrees = np.asarray(mu, dtype=float)
     top = degrees.max(-1, keepdims=True)
-    return (degrees >= top * (1.0 - 1e-12)) & (top > 0.0)
+    result: Array = (degrees >= top * (1.0 - 1e-12)) & (top > 0.0)
+    return result
 
 
 def mean_of_maximum(x: ArrayLike, mu: ArrayLike) -> Array:
@@ -129,7 +131,8 @@ def linear_consequent(coefficients: ArrayLike, inputs: ArrayLike) -> Array:
     -0.5
     """
     c = np.asarray(coefficients, dtype=float)
-    return np.asarray(inputs, dtype=float) @ c[:-1] + c[-1]
+    result: Array = np.asarray(inputs, dtype=float) @ c[:-1] + c[-1]
+    return result
 
 
 def weighted_average(strengths: ArrayLike, conclusions: ArrayLike) -> Array:

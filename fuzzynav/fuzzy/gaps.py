@@ -58,12 +58,14 @@ def grid(inputs: tuple[Variable, ...], n: int) -> Array:
 def combinations(inputs: tuple[Variable, ...]) -> tuple[list[tuple[str, ...]], Array]:
     """Every choice of one term for each input, by name, and as degrees (m, n_terms): 1 for the chosen, 0 elsewhere.
 
-    Raises ValueError for more than 200,000 choices.
+    Inputs without terms, which only linear conclusions use, offer no choice. Raises ValueError for more than 200,000
+    choices.
     """
+    inputs = tuple(variable for variable in inputs if variable.terms)
     count = int(np.prod([len(variable.terms) for variable in inputs], dtype=float))
     if count > 200_000:
         raise ValueError(f"{count} combinations of terms are too many to list")
     names = list(product(*([term.name for term in variable.terms] for variable in inputs)))
     blocks = np.meshgrid(*(np.arange(len(v.terms)) for v in inputs), indexing="ij")
     rows = [np.eye(len(v.terms))[block.ravel()] for v, block in zip(inputs, blocks, strict=True)]
-    return names, np.concatenate(rows, axis=1)
+    return names, np.concatenate([np.empty((count, 0)), *rows], axis=1)

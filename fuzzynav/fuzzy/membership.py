@@ -1,57 +1,26 @@
-"""Membership functions: every shape as a readable NumPy function, and `Term`, a named one.
+"""Membership functions: every shape as a readable NumPy function and as a row of `SHAPES`, and `Term`, a named set.
 
-`SHAPES` lists the shapes with the names of their parameters, in order. The compiled twin of each function is in
-`kernels`; tests hold the two together.
+A new shape needs a number in `codes`, a function and a row here, and a branch in `kernels`, its compiled twin. Tests
+hold function, twin and file formats together.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.fuzzy import codes
+from fuzzynav.fuzzy.names import check_name
 from fuzzynav.geometry import Array
 
-__all__ = ["POLYGONAL", "SHAPES", "Term", "breakpoints", "check_name", "membership"]
+__all__ = ["MONOTONE", "POLYGONAL", "SHAPES", "Shape", "Term", "breakpoints", "membership"]
 
-SHAPES: dict[str, tuple[str, ...]] = {
-    "triangle": ("a", "b", "c"),
-    "trapezoid": ("a", "b", "c", "d"),
-    "gaussian": ("mean", "sigma"),
-    "two-sided gaussian": ("mean_a", "sigma_a", "mean_b", "sigma_b"),
-    "bell": ("center", "width", "slope"),
-    "sigmoid": ("inflection", "slope"),
-    "sigmoid difference": ("left", "rising", "falling", "right"),
-    "sigmoid product": ("left", "rising", "falling", "right"),
-    "z": ("start", "end"),
-    "s": ("start", "end"),
-    "pi": ("bottom_left", "top_left", "top_right", "bottom_right"),
-    "ramp": ("start", "end"),
-    "rectangle": ("start", "end"),
-    "singleton": ("position",),
-    "binary": ("start", "direction"),
-    "constant": ("value",),
-    "linear": ("coefficients",),
-    "discrete": ("pairs",),
-    "spike": ("center", "width"),
-    "cosine": ("center", "width"),
-    "concave": ("inflection", "end"),
-    "arc": ("start", "end"),
-    "semi-ellipse": ("start", "end"),
-}
-"""Shape -> names of its parameters. `discrete` takes x1, y1, x2, y2, ...; `linear` one coefficient for each input and
-then the constant; the direction of `binary` is inf (1 from start upwards) or -inf."""
-
-POLYGONAL = frozenset({"triangle", "trapezoid", "ramp", "rectangle", "discrete", "binary"})
-"""Shapes made of straight lines, for which the quadrature 'exact' is exact."""
-
-_KEYWORDS = frozenset({"if", "is", "then", "and", "or", "with"})
-_ORDERED = {"triangle", "trapezoid", "z", "s", "pi", "rectangle"}
-_POSITIVE = {"gaussian": (1,), "two-sided gaussian": (1, 3), "spike": (1,), "cosine": (1,)}
-_MAY_BE_INFINITE = {"triangle", "trapezoid", "binary", "rectangle"}
+LARGEST, SMALLEST = 1e150, 1e-150
+"""Bounds of parameters and of widths: their squares are still numbers."""
 
 
 def _rise(x: Array, a: float, b: float) -> Array:
@@ -93,13 +62,11 @@ def _two_sided_gaussian(x: Array, mean_a: float, sigma_a: float, mean_b: float, 
 
 
 def _bell(x: Array, center: float, width: float, slope: float) -> Array:
-    with np.errstate(over="ignore", divide="ignore"):
-        return 1.0 / (1.0 + np.abs((x - center) / width) ** (2.0 * slope))
+    return 1.0 / (1.0 + np.abs((x - center) / width) ** (2.0 * slope))
 
 
 def _sigmoid(x: Array, inflection: float, slope: float) -> Array:
-    with np.errstate(over="ignore"):
-        return 1.0 / (1.0 + np.exp(-slope * (x - inflection)))
+    return 1.0 / (1.0 + np.exp(-slope * (x - inflection)))
 
 
 def _sigmoid_difference(x: Array, left: float, rising: float, falling: float, right: float) -> Array:
@@ -136,7 +103,8 @@ def _singleton(x: Array, position: float) -> Array:
 
     Source: thesis eq 2.35 (errata T47)
     """
-    return (x == position).astype(float)
+    result: Array = (x == position).astype(float)
+    return result
 
 
 def _binary(x: Array, start: float, direction: float) -> Array:
@@ -181,13 +149,173 @@ def _semi_ellipse(x: Array, start: float, end: float) -> Array:
     return np.sqrt(np.maximum(1.0 - t**2, 0.0))
 
 
-_FUNCTIONS: dict[str, Callable[..., Array]] = {
-    "triangle": _triangle, "trapezoid": _trapezoid, "gaussian": _gaussian, "two-sided gaussian": _two_sided_gaussian,
-    "bell": _bell, "sigmoid": _sigmoid, "sigmoid difference": _sigmoid_difference,
-    "sigmoid product": _sigmoid_product, "z": _z, "s": _s, "pi": _pi, "ramp": _ramp, "rectangle": _rectangle,
-    "singleton": _singleton, "binary": _binary, "constant": _constant, "linear": _linear, "discrete": _discrete,
-    "spike": _spike, "cosine": _cosine, "concave": _concave, "arc": _arc, "semi-ellipse": _semi_ellipse,
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Shape:
+    """A shape of sets: one row of the table from which names, codes and words of the file formats derive.
+
+    Called with a name and its parameters it makes a term.
+
+    >>> float(triangle("Near", 0, 0, 2).membership(0.5))
+    0.75
+    """
+
+    name: str
+    code: int
+    parameters: tuple[str, ...]
+    function: Callable[..., Array] = field(repr=False)
+    about: str
+    fll: str = ""  # FuzzyLite's word, empty where it has none
+    fis: str = ""  # MATLAB's
+    places: tuple[int, ...] = ()  # of our parameters in MATLAB's list, where the order differs
+    listed: bool = False  # takes any number of parameters
+    ordered: bool = False  # parameters ascend
+    positive: tuple[int, ...] = ()  # parameters that must be above 0
+    nonzero: tuple[int, ...] = ()
+    apart: bool = False  # the two parameters differ
+    endless: bool = False  # parameters may be infinite
+    polygonal: bool = False  # made of straight lines
+    monotone: bool = False  # only rises or only falls
+
+    def __call__(self, name: str, *parameters: float, height: float = 1.0) -> Term:
+        """Term of this shape. Raises ValueError like `Term`."""
+        return Term(name=name, shape=self.name, parameters=parameters, height=height)
+
+    def fault(self, p: tuple[float, ...]) -> str:
+        """What is wrong with the parameters; empty when nothing is."""
+        if self.listed:
+            return _list_fault(self.name, p)
+        if len(p) != len(self.parameters):
+            return f"needs {len(self.parameters)} parameters ({', '.join(self.parameters)}), got {len(p)}"
+        if self.ordered and list(p) != sorted(p):
+            return f"needs {' <= '.join(self.parameters)}, got {', '.join(f'{v:g}' for v in p)}"
+        for k in self.positive:
+            if not p[k] >= SMALLEST:
+                return f"needs {self.parameters[k]} > 0, and at least {SMALLEST:g}, got {p[k]:g}"
+        narrow = any(abs(p[k]) < SMALLEST for k in self.nonzero) or (self.apart and abs(p[1] - p[0]) < SMALLEST)
+        return f"needs a width other than 0, got {', '.join(f'{v:g}' for v in p)}" if narrow else ""
+
+
+def _list_fault(shape: str, p: tuple[float, ...]) -> str:
+    if shape == "linear":
+        return "" if p else "needs at least the constant"
+    if len(p) < 2 or len(p) % 2:
+        return f"needs pairs x1, y1, x2, y2, ..., got {len(p)} numbers"
+    if list(p[0::2]) != sorted(p[0::2]):
+        return f"needs its x in ascending order, got {p[0::2]}"
+    outside = [y for y in p[1::2] if not 0.0 <= y <= 1.0]
+    return f"needs memberships from 0 to 1, got {outside[0]:g}" if outside else ""
+
+
+triangle = Shape(
+    name="triangle", code=codes.TRIANGLE, parameters=("a", "b", "c"), function=_triangle, fll="Triangle", fis="trimf",
+    ordered=True, endless=True, polygonal=True, about="feet a, c and peak b; a == b or b == c is a shoulder",
+)  # fmt: skip
+trapezoid = Shape(
+    name="trapezoid", code=codes.TRAPEZOID, parameters=("a", "b", "c", "d"), function=_trapezoid, fll="Trapezoid",
+    fis="trapmf", ordered=True, endless=True, polygonal=True, about="feet a, d and the top from b to c",
+)  # fmt: skip
+gaussian = Shape(
+    name="gaussian", code=codes.GAUSSIAN, parameters=("mean", "sigma"), function=_gaussian, fll="Gaussian",
+    fis="gaussmf", places=(1, 0), positive=(1,), about="1 at the mean",
+)  # fmt: skip
+two_sided_gaussian = Shape(
+    name="two-sided gaussian", code=codes.TWO_SIDED_GAUSSIAN, parameters=("mean_a", "sigma_a", "mean_b", "sigma_b"),
+    function=_two_sided_gaussian, fll="GaussianProduct", fis="gauss2mf", places=(1, 0, 3, 2), positive=(1, 3),
+    about="Gaussian flanks left of mean_a and right of mean_b, 1 between them",
+)  # fmt: skip
+bell = Shape(
+    name="bell", code=codes.BELL, parameters=("center", "width", "slope"), function=_bell, fll="Bell", fis="gbellmf",
+    places=(2, 0, 1), nonzero=(1,), about="1 at the centre and 0.5 a width away from it",
+)  # fmt: skip
+sigmoid = Shape(
+    name="sigmoid", code=codes.SIGMOID, parameters=("inflection", "slope"), function=_sigmoid, fll="Sigmoid",
+    fis="sigmf", places=(1, 0), monotone=True, about="0.5 at the inflection; a negative slope makes it fall",
+)  # fmt: skip
+sigmoid_difference = Shape(
+    name="sigmoid difference", code=codes.SIGMOID_DIFFERENCE, parameters=("left", "rising", "falling", "right"),
+    function=_sigmoid_difference, fll="SigmoidDifference", fis="dsigmf", places=(1, 0, 2, 3),
+    about="a sigmoid that rises at the left less one that rises at the right",
+)  # fmt: skip
+sigmoid_product = Shape(
+    name="sigmoid product", code=codes.SIGMOID_PRODUCT, parameters=("left", "rising", "falling", "right"),
+    function=_sigmoid_product, fll="SigmoidProduct", fis="psigmf", places=(1, 0, 2, 3),
+    about="a sigmoid at the left times one at the right",
+)  # fmt: skip
+z_shape = Shape(
+    name="z", code=codes.Z, parameters=("start", "end"), function=_z, fll="ZShape", fis="zmf", ordered=True,
+    monotone=True, about="smooth fall from 1 at start to 0 at end",
+)  # fmt: skip
+s_shape = Shape(
+    name="s", code=codes.S, parameters=("start", "end"), function=_s, fll="SShape", fis="smf", ordered=True,
+    monotone=True, about="smooth rise from 0 at start to 1 at end",
+)  # fmt: skip
+pi_shape = Shape(
+    name="pi", code=codes.PI, parameters=("bottom_left", "top_left", "top_right", "bottom_right"), function=_pi,
+    fll="PiShape", fis="pimf", ordered=True, about="smooth rise and fall",
+)  # fmt: skip
+ramp = Shape(
+    name="ramp", code=codes.RAMP, parameters=("start", "end"), function=_ramp, fll="Ramp", polygonal=True,
+    monotone=True, about="straight line from 0 at start to 1 at end, in either direction, and 1 beyond",
+)  # fmt: skip
+rectangle = Shape(
+    name="rectangle", code=codes.RECTANGLE, parameters=("start", "end"), function=_rectangle, fll="Rectangle",
+    ordered=True, endless=True, polygonal=True, about="1 from start to end",
+)  # fmt: skip
+singleton = Shape(
+    name="singleton", code=codes.SINGLETON, parameters=("position",), function=_singleton, about="1 at one point",
+)  # fmt: skip
+binary = Shape(
+    name="binary", code=codes.BINARY, parameters=("start", "direction"), function=_binary, fll="Binary", endless=True,
+    polygonal=True, about="1 from start upwards for the direction inf, downwards for -inf",
+)  # fmt: skip
+constant = Shape(
+    name="constant", code=codes.CONSTANT, parameters=("value",), function=_constant, fll="Constant", fis="constant",
+    about="the number that a Takagi-Sugeno rule concludes",
+)  # fmt: skip
+linear = Shape(
+    name="linear", code=codes.LINEAR, parameters=("coefficients",), function=_linear, fll="Linear", fis="linear",
+    listed=True, about="one coefficient for each input and then the constant, concluded by a Takagi-Sugeno rule",
+)  # fmt: skip
+discrete = Shape(
+    name="discrete", code=codes.DISCRETE, parameters=("pairs",), function=_discrete, fll="Discrete", listed=True,
+    polygonal=True, about="straight lines through x1, y1, x2, y2, ... and level beyond them",
+)  # fmt: skip
+spike = Shape(
+    name="spike", code=codes.SPIKE, parameters=("center", "width"), function=_spike, fll="Spike", positive=(1,),
+    about="exponential flanks on both sides of the centre",
+)  # fmt: skip
+cosine = Shape(
+    name="cosine", code=codes.COSINE, parameters=("center", "width"), function=_cosine, fll="Cosine", positive=(1,),
+    about="one wave of the cosine about the centre, 0 beyond half a width",
+)  # fmt: skip
+concave = Shape(
+    name="concave", code=codes.CONCAVE, parameters=("inflection", "end"), function=_concave, fll="Concave",
+    apart=True, monotone=True, about="0.5 at the inflection, 1 from end on",
+)  # fmt: skip
+arc = Shape(
+    name="arc", code=codes.ARC, parameters=("start", "end"), function=_arc, fll="Arc", monotone=True,
+    about="quarter of a circle from 0 at start to 1 at end, and 1 beyond",
+)  # fmt: skip
+semi_ellipse = Shape(
+    name="semi-ellipse", code=codes.SEMI_ELLIPSE, parameters=("start", "end"), function=_semi_ellipse,
+    fll="SemiEllipse", apart=True, about="half an ellipse from start to end",
+)  # fmt: skip
+
+SHAPES: dict[str, Shape] = {
+    shape.name: shape
+    for shape in (
+        triangle, trapezoid, gaussian, two_sided_gaussian, bell, sigmoid, sigmoid_difference, sigmoid_product, z_shape,
+        s_shape, pi_shape, ramp, rectangle, singleton, binary, constant, linear, discrete, spike, cosine, concave, arc,
+        semi_ellipse,
+    )
 }  # fmt: skip
+"""The table of shapes, by name."""
+
+POLYGONAL = frozenset(shape.name for shape in SHAPES.values() if shape.polygonal)
+"""Shapes made of straight lines, for which the quadrature 'exact' is exact."""
+
+MONOTONE = frozenset(shape.name for shape in SHAPES.values() if shape.monotone)
+"""Shapes that a weighted defuzzifier may invert (Tsukamoto): the x at which the membership equals the strength."""
 
 
 def membership(shape: str, x: ArrayLike, *parameters: float) -> Array:
@@ -200,45 +328,19 @@ def membership(shape: str, x: ArrayLike, *parameters: float) -> Array:
     >>> membership("triangle", [0.0, 1.0, 3.0], 0.0, 2.0, 4.0).tolist()
     [0.0, 0.5, 0.5]
     """
-    if shape not in _FUNCTIONS:
+    if shape not in SHAPES:
         raise ValueError(f"unknown shape {shape!r}; known: {', '.join(SHAPES)}")
     values = np.asarray(x, dtype=float)
-    result = _FUNCTIONS[shape](values, *parameters)
+    with np.errstate(over="ignore", divide="ignore", invalid="ignore"):  # far out a power or a quotient is inf: 0 or 1
+        result = SHAPES[shape].function(values, *parameters)
     return np.where(np.isnan(values), np.nan, result)
-
-
-def check_name(name: str, what: str) -> None:
-    """Raise ValueError unless `name` is one word that a rule text can hold."""
-    if not name or any(c.isspace() or c in "(),;#:" for c in name) or name.lower() in _KEYWORDS:
-        raise ValueError(f"{what} name {name!r} must be one word, without brackets or , ; : # and not a rule keyword")
-
-
-def _check_parameters(shape: str, p: tuple[float, ...]) -> str:
-    """What is wrong with the parameters of a shape; empty when nothing is."""
-    names = SHAPES[shape]
-    if shape == "linear":
-        return "" if p else "needs at least the constant"
-    if shape == "discrete":
-        if len(p) < 2 or len(p) % 2:
-            return f"needs pairs x1, y1, x2, y2, ..., got {len(p)} numbers"
-        return "" if list(p[0::2]) == sorted(p[0::2]) else f"needs its x in ascending order, got {p[0::2]}"
-    if len(p) != len(names):
-        return f"needs {len(names)} parameters ({', '.join(names)}), got {len(p)}"
-    if shape in _ORDERED and list(p) != sorted(p):
-        return f"needs {' <= '.join(names)}, got {', '.join(f'{v:g}' for v in p)}"
-    for k in _POSITIVE.get(shape, ()):
-        if not p[k] > 0.0:
-            return f"needs {names[k]} > 0, got {p[k]:g}"
-    if (shape == "bell" and p[1] == 0.0) or (shape in ("semi-ellipse", "concave") and p[0] == p[1]):
-        return f"needs a width other than 0, got {', '.join(f'{v:g}' for v in p)}"
-    return ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Term:
     """A named fuzzy set on the line: a shape of `SHAPES`, its parameters in that order, and its height.
 
-    Raises ValueError for an unknown shape, a wrong number of parameters or breakpoints out of order.
+    Raises ValueError for an unknown shape, a wrong number of parameters, breakpoints out of order or a height above 1.
 
     Source: thesis eq 2.26
 
@@ -253,27 +355,32 @@ class Term:
 
     def __post_init__(self) -> None:
         check_name(self.name, "term")
+        here = f"term {self.name!r}"
         if self.shape not in SHAPES:
-            raise ValueError(f"term {self.name!r}: unknown shape {self.shape!r}; known: {', '.join(SHAPES)}")
+            raise ValueError(f"{here}: unknown shape {self.shape!r}; known: {', '.join(SHAPES)}")
         try:
-            p = tuple(float(v) + 0.0 for v in self.parameters)
-        except (TypeError, ValueError):
-            raise ValueError(f"term {self.name!r}: parameters must be numbers, got {self.parameters!r}") from None
-        wrong = _check_parameters(self.shape, p)
-        finite = all(math.isfinite(v) for v in p)
-        if not wrong and (any(math.isnan(v) for v in p) or (self.shape not in _MAY_BE_INFINITE and not finite)):
-            wrong = f"needs finite parameters, got {p}"
-        if wrong:
-            raise ValueError(f"term {self.name!r}: {self.shape} {wrong}")
-        if not (math.isfinite(self.height) and self.height > 0.0):
-            raise ValueError(f"term {self.name!r}: height must be positive, got {self.height}")
+            p, height = tuple(float(v) + 0.0 for v in self.parameters), float(self.height)
+        except (TypeError, ValueError, OverflowError):
+            given = f"{self.parameters!r}, height {self.height!r}"
+            raise ValueError(f"{here}: parameters and height must be numbers, got {given}") from None
+        if wrong := SHAPES[self.shape].fault(p) or _size_fault(self.shape, p):
+            raise ValueError(f"{here}: {self.shape} {wrong}")
+        if not 0.0 < height <= 1.0:
+            raise ValueError(f"{here}: the height must be above 0 and at most 1, got {height:g}")
         object.__setattr__(self, "parameters", p)
-        object.__setattr__(self, "height", float(self.height))
+        object.__setattr__(self, "height", height)
 
     def membership(self, x: ArrayLike) -> Array:
         """Membership of the values x (any shape); nan where x is nan. Raises ValueError for a linear term."""
         values = membership(self.shape, x, *self.parameters)
         return values if self.height == 1.0 or self.shape == "constant" else self.height * values
+
+
+def _size_fault(shape: str, p: tuple[float, ...]) -> str:
+    if any(math.isnan(v) for v in p) or (not SHAPES[shape].endless and any(math.isinf(v) for v in p)):
+        return f"needs finite parameters, got {p}"
+    large = [v for v in p if math.isfinite(v) and abs(v) > LARGEST]
+    return f"needs numbers from -{LARGEST:g} to {LARGEST:g}, got {large[0]:g}" if large else ""
 
 
 def breakpoints(term: Term) -> tuple[float, ...]:

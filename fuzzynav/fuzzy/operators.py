@@ -1,24 +1,36 @@
 """Fuzzy operators: conjunctions, disjunctions and hedges, each by its name.
 
-The order of the names is the code by which the compiled kernels know them.
+Each is a row: its number in the compiled kernels, its NumPy function, its words in the file formats.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.fuzzy import codes
 from fuzzynav.geometry import Array
 
-__all__ = ["CONORMS", "HEDGES", "NORMS", "conjunction", "disjunction", "hedge", "negation"]
+__all__ = ["CONORMS", "HEDGES", "NORMS", "Operator", "conjunction", "disjunction", "hedge", "negation"]
 
-_Operator = Callable[[Array, Array], Array]
+
+def _product(a: Array, b: Array) -> Array:
+    return a * b
+
+
+def _bounded_difference(a: Array, b: Array) -> Array:
+    return np.maximum(0.0, a + b - 1.0)
 
 
 def _drastic(a: Array, b: Array) -> Array:
     return np.where(np.maximum(a, b) == 1.0, np.minimum(a, b), 0.0)
+
+
+def _einstein(a: Array, b: Array) -> Array:
+    return a * b / (2.0 - (a + b - a * b))
 
 
 def _drastic_sum(a: Array, b: Array) -> Array:
@@ -35,47 +47,100 @@ def _hamacher_sum(a: Array, b: Array) -> Array:
     return np.where(gap == 0.0, 1.0, 1.0 - (1.0 - a) * (1.0 - b) / np.where(gap == 0.0, 1.0, gap))
 
 
-NORMS: dict[str, _Operator] = {
-    "min": np.minimum,
-    "product": lambda a, b: a * b,
-    "bounded difference": lambda a, b: np.maximum(0.0, a + b - 1.0),
-    "drastic": _drastic,
-    "einstein": lambda a, b: a * b / (2.0 - (a + b - a * b)),
-    "hamacher": _hamacher,
-    "nilpotent minimum": lambda a, b: np.where(a + b > 1.0, np.minimum(a, b), 0.0),
+def _nilpotent_minimum(a: Array, b: Array) -> Array:
+    return np.where(a + b > 1.0, np.minimum(a, b), 0.0)
+
+
+def _probabilistic_sum(a: Array, b: Array) -> Array:
+    return a + b - a * b
+
+
+def _bounded_sum(a: Array, b: Array) -> Array:
+    return np.minimum(1.0, a + b)
+
+
+def _sum(a: Array, b: Array) -> Array:
+    return a + b
+
+
+def _normalized_sum(a: Array, b: Array) -> Array:
+    return (a + b) / np.maximum(1.0, a + b)
+
+
+def _einstein_sum(a: Array, b: Array) -> Array:
+    return (a + b) / (1.0 + a * b)
+
+
+def _nilpotent_maximum(a: Array, b: Array) -> Array:
+    return np.where(a + b < 1.0, np.maximum(a, b), 1.0)
+
+
+def _not(m: Array) -> Array:
+    return 1.0 - m
+
+
+def _extremely(m: Array) -> Array:
+    return np.where(m <= 0.5, 2.0 * m**2, 1.0 - 2.0 * (1.0 - m) ** 2)
+
+
+def _seldom(m: Array) -> Array:
+    low, high = np.sqrt(np.maximum(m, 0.0) / 2.0), 1.0 - np.sqrt(np.maximum(1.0 - m, 0.0) / 2.0)
+    return np.where(m <= 0.5, low, high)
+
+
+def _any(m: Array) -> Array:
+    return np.where(np.isnan(m), np.nan, 1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Operator:
+    """An operator: its number in the compiled kernels, its function, and its word in the file formats ("" for none)."""
+
+    code: int
+    function: Callable[..., Array]
+    fll: str = ""
+    fis: str = ""
+
+
+NORMS: dict[str, Operator] = {
+    "min": Operator(codes.MIN, np.minimum, "Minimum", "min"),
+    "product": Operator(codes.PRODUCT, _product, "AlgebraicProduct", "prod"),
+    "bounded difference": Operator(codes.BOUNDED_DIFFERENCE, _bounded_difference, "BoundedDifference"),
+    "drastic": Operator(codes.DRASTIC, _drastic, "DrasticProduct"),
+    "einstein": Operator(codes.EINSTEIN, _einstein, "EinsteinProduct"),
+    "hamacher": Operator(codes.HAMACHER, _hamacher, "HamacherProduct"),
+    "nilpotent minimum": Operator(codes.NILPOTENT_MINIMUM, _nilpotent_minimum, "NilpotentMinimum"),
 }
 """Conjunctions (AND, implication) by name."""
 
-CONORMS: dict[str, _Operator] = {
-    "max": np.maximum,
-    "probabilistic sum": lambda a, b: a + b - a * b,
-    "bounded sum": lambda a, b: np.minimum(1.0, a + b),
-    "sum": lambda a, b: a + b,
-    "normalized sum": lambda a, b: (a + b) / np.maximum(1.0, a + b),
-    "drastic sum": _drastic_sum,
-    "einstein sum": lambda a, b: (a + b) / (1.0 + a * b),
-    "hamacher sum": _hamacher_sum,
-    "nilpotent maximum": lambda a, b: np.where(a + b < 1.0, np.maximum(a, b), 1.0),
+CONORMS: dict[str, Operator] = {
+    "max": Operator(codes.MAX, np.maximum, "Maximum", "max"),
+    "probabilistic sum": Operator(codes.PROBABILISTIC_SUM, _probabilistic_sum, "AlgebraicSum", "probor"),
+    "bounded sum": Operator(codes.BOUNDED_SUM, _bounded_sum, "BoundedSum"),
+    "sum": Operator(codes.SUM, _sum, "UnboundedSum", "sum"),
+    "normalized sum": Operator(codes.NORMALIZED_SUM, _normalized_sum, "NormalizedSum"),
+    "drastic sum": Operator(codes.DRASTIC_SUM, _drastic_sum, "DrasticSum"),
+    "einstein sum": Operator(codes.EINSTEIN_SUM, _einstein_sum, "EinsteinSum"),
+    "hamacher sum": Operator(codes.HAMACHER_SUM, _hamacher_sum, "HamacherSum"),
+    "nilpotent maximum": Operator(codes.NILPOTENT_MAXIMUM, _nilpotent_maximum, "NilpotentMaximum"),
 }
 """Disjunctions (OR, aggregation) by name; 'sum' is not bounded by 1."""
 
-HEDGES: dict[str, Callable[[Array], Array]] = {
-    "not": lambda m: 1.0 - m,
-    "very": lambda m: m**2,
-    "somewhat": np.sqrt,
-    "extremely": lambda m: np.where(m <= 0.5, 2.0 * m**2, 1.0 - 2.0 * (1.0 - m) ** 2),
-    "seldom": lambda m: np.where(
-        m <= 0.5, np.sqrt(np.maximum(m, 0.0) / 2.0), 1.0 - np.sqrt(np.maximum(1.0 - m, 0.0) / 2.0)
-    ),
-    "any": lambda m: np.where(np.isnan(m), np.nan, 1.0),
+HEDGES: dict[str, Operator] = {
+    "not": Operator(codes.NOT, _not),
+    "very": Operator(codes.VERY, np.square),
+    "somewhat": Operator(codes.SOMEWHAT, np.sqrt),
+    "extremely": Operator(codes.EXTREMELY, _extremely),
+    "seldom": Operator(codes.SELDOM, _seldom),
+    "any": Operator(codes.ANY, _any),
 }
 """Hedges by name: what the word before a term does to its membership."""
 
 
-def _pick(table: dict[str, Callable[..., Array]], name: str, what: str) -> Callable[..., Array]:
+def _pick(table: dict[str, Operator], name: str, what: str) -> Callable[..., Array]:
     if name not in table:
         raise ValueError(f"unknown {what} {name!r}; known: {', '.join(table)}")
-    return table[name]
+    return table[name].function
 
 
 def conjunction(a: ArrayLike, b: ArrayLike, norm: str = "min") -> Array:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import KW_ONLY, dataclass
 
-from fuzzynav.fuzzy.membership import check_name
+from fuzzynav.fuzzy.names import check_name
 from fuzzynav.fuzzy.operators import HEDGES
 
 __all__ = ["And", "Antecedent", "Or", "Proposition", "Rule", "propositions"]
@@ -30,6 +30,8 @@ class Proposition:
 
     def __post_init__(self) -> None:
         check_name(self.variable, "variable")
+        if isinstance(self.hedges, str) or not isinstance(self.hedges, Iterable):
+            raise ValueError(f"the hedges before a term must be a tuple of words, got {self.hedges!r}")
         object.__setattr__(self, "hedges", tuple(self.hedges))
         for word in self.hedges:
             if word not in HEDGES:
@@ -74,7 +76,7 @@ Antecedent = Proposition | And | Or
 
 def _flat(parts: tuple[Antecedent, ...], kind: type[And] | type[Or]) -> tuple[Antecedent, ...]:
     """The parts with nested ones of the same kind opened: a and (b and c) is a and b and c."""
-    parts = tuple(parts)
+    parts = tuple(parts) if isinstance(parts, Iterable) else ()
     if len(parts) < 2 or not all(isinstance(part, (Proposition, And, Or)) for part in parts):
         raise ValueError(f"{kind.__name__} joins two or more propositions, got {parts!r}")
     return tuple(inner for part in parts for inner in (part.parts if isinstance(part, kind) else (part,)))
@@ -89,23 +91,35 @@ def propositions(antecedent: Antecedent) -> Iterator[Proposition]:
         yield from propositions(part)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Rule:
-    """If the antecedent holds, then each consequent does, as strongly, times the weight."""
+    """If the antecedent holds, then each consequent does, as strongly, times the weight.
+
+    Raises ValueError for parts of another kind or a weight outside 0 to 1; `Rule.parse` reads a rule in words.
+    """
 
     antecedent: Antecedent
-    consequents: tuple[Proposition, ...]
+    _: KW_ONLY
+    consequents: tuple[Proposition, ...] = ()
     weight: float = 1.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "consequents", tuple(self.consequents))
-        object.__setattr__(self, "weight", float(self.weight))
         if not isinstance(self.antecedent, (Proposition, And, Or)):
-            raise ValueError(f"the antecedent of a rule must be a Proposition, And or Or, got {self.antecedent!r}")
-        if not self.consequents or not all(isinstance(c, Proposition) and c.term for c in self.consequents):
+            raise ValueError(
+                f"the antecedent of a rule must be a Proposition, And or Or, got {self.antecedent!r}; Rule.parse reads "
+                "a rule in words"
+            )
+        consequents = tuple(self.consequents) if isinstance(self.consequents, Iterable) else ()
+        if not consequents or not all(isinstance(c, Proposition) and c.term for c in consequents):
             raise ValueError(f"a rule needs consequents of the form 'output is term', got {self.consequents!r}")
-        if not (math.isfinite(self.weight) and 0.0 <= self.weight <= 1.0):
-            raise ValueError(f"the weight of a rule must be from 0 to 1, got {self.weight}")
+        try:
+            weight = float(self.weight)
+        except (TypeError, ValueError):
+            weight = math.nan
+        if not 0.0 <= weight <= 1.0:
+            raise ValueError(f"the weight of a rule must be from 0 to 1, got {self.weight!r}")
+        object.__setattr__(self, "consequents", consequents)
+        object.__setattr__(self, "weight", weight)
 
     @classmethod
     def parse(cls, text: str) -> Rule:
@@ -117,6 +131,8 @@ class Rule:
         >>> rule.antecedent.parts[1].hedges, rule.weight
         (('not',), 0.5)
         """
+        if not isinstance(text, str):
+            raise ValueError(f"a rule must be text such as 'if a is Low then b is High', got {text!r}")
         return _Parser(text).rule()
 
     def __str__(self) -> str:
@@ -130,7 +146,7 @@ class _Parser:
 
     def __init__(self, text: str) -> None:
         self.text = " ".join(text.split())
-        self.words = re.findall(r"[()]|[^\s()]+", text)
+        self.words: list[str] = re.findall(r"[()]|[^\s()]+", text)
         self.at = 0
         self.depth = 0
 

@@ -9,12 +9,11 @@ import math
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from fuzzynav.fuzzy import codes
+from fuzzynav.fuzzy.compiled import Codes, Parts
 from fuzzynav.fuzzy.kernels import conorm, inverse_member, norm
 from fuzzynav.geometry import Array
-
-Codes = NDArray[np.int64]
 
 __all__ = ["aggregate", "exact_centroid", "max_min_centroid", "of_samples", "weighted"]
 
@@ -75,8 +74,8 @@ def _one_by_one(h: Array, rows: Array, sampled: Array, area: Array, moment: Arra
             for k in range(h.shape[0]):
                 v = h[k, p] if h[k, p] < rows[k, s] else rows[k, s]
                 u = u if u > v else v
-            total += sampled[1, s] * u
-            turn += sampled[1, s] * sampled[0, s] * u
+            total += sampled[codes.WEIGHTS, s] * u
+            turn += sampled[codes.WEIGHTS, s] * sampled[codes.PLACES, s] * u
         area[p], moment[p] = total, turn
 
 
@@ -94,8 +93,8 @@ def max_min_centroid(h: Array, rows: Array, sampled: Array, area: Array, moment:
     for s in range(0, samples, 4):
         count = min(4, samples - s)
         for j in range(4):
-            w[j] = sampled[1, s + j] if j < count else 0.0
-            wx[j] = w[j] * sampled[0, s + j] if j < count else 0.0
+            w[j] = sampled[codes.WEIGHTS, s + j] if j < count else 0.0
+            wx[j] = w[j] * sampled[codes.PLACES, s + j] if j < count else 0.0
         n = 0
         for k in range(sets):
             top = 0.0
@@ -125,7 +124,7 @@ def aggregate(h: Array, rows: Array, implied: Codes, code: int, mu: Array) -> No
             strength, implication = h[k, p], implied[k]
             if not strength > 0.0:
                 continue
-            if code == 0 and implication == 1:
+            if code == codes.MAX and implication == codes.PRODUCT:
                 for s in range(here.size):
                     u = rows[k, s] * strength
                     here[s] = here[s] if here[s] > u else u
@@ -151,20 +150,20 @@ def _nearest_half(x: Array, w: Array, mu: Array, total: float) -> float:
 
 @njit(cache=True)
 def _bisector(x: Array, w: Array, mu: Array, quadrature: int) -> float:
-    """The x that halves the area of the set mu: on the polyline (0), at the sample nearest to half, as FuzzyLite (1),
-    or at the first sample past half, as MATLAB (2)."""
+    """The x that halves the area of the set mu: on the polyline (trapezoid), at the sample nearest to half, as
+    FuzzyLite (midpoints), or at the first sample past half, as MATLAB (plain sum)."""
     n = mu.size
     total = 0.0
     for s in range(n):
         total += w[s] * mu[s]
     if total == 0.0:
         return math.nan
-    if quadrature == 1:
+    if quadrature == codes.MIDPOINTS:
         return _nearest_half(x, w, mu, total)
     step = x[1] - x[0]
     done = 0.0
     for s in range(n):
-        if quadrature == 0:
+        if quadrature == codes.TRAPEZOID_RULE:
             if s == n - 1:
                 break
             a, b = mu[s], mu[s + 1]
@@ -173,25 +172,25 @@ def _bisector(x: Array, w: Array, mu: Array, quadrature: int) -> float:
             a, b, part = mu[s], mu[s], mu[s] * w[s]
         if part > 0.0 and done + part >= 0.5 * total:
             need = 0.5 * total - done
-            if quadrature == 2:
-                return x[s]
-            return x[s] + step * 2.0 * need / (a + math.sqrt(max(a * a + 2.0 * (b - a) * need, 0.0)))
+            if quadrature == codes.PLAIN_SUM:
+                return float(x[s])
+            return float(x[s] + step * 2.0 * need / (a + math.sqrt(max(a * a + 2.0 * (b - a) * need, 0.0))))
         done += part
-    return x[n - 1]
+    return float(x[n - 1])
 
 
 @njit(cache=True)
 def of_samples(defuzzifier: int, quadrature: int, sampled: Array, mu: Array) -> float:
     """Crisp value of one aggregated set; nan when it is empty."""
-    x, w = sampled[0], sampled[1]
-    if defuzzifier == 1:
+    x, w = sampled[codes.PLACES], sampled[codes.WEIGHTS]
+    if defuzzifier == codes.BISECTOR:
         return _bisector(x, w, mu, quadrature)
     area, moment, top = 0.0, 0.0, 0.0
     for s in range(mu.size):
         area += w[s] * mu[s]
         moment += w[s] * x[s] * mu[s]
         top = max(top, mu[s])
-    if defuzzifier == 0:
+    if defuzzifier == codes.CENTROID:
         return moment / area if area > 0.0 else math.nan
     if not top > 0.0:
         return math.nan
@@ -202,24 +201,26 @@ def of_samples(defuzzifier: int, quadrature: int, sampled: Array, mu: Array) -> 
             last = s
             total += x[s]
             count += 1
-    if defuzzifier == 2:
+    if defuzzifier == codes.MEAN_OF_MAXIMUM:
         return total / count
-    return x[first] if defuzzifier == 3 else x[last]
+    return float(x[first] if defuzzifier == codes.SMALLEST_OF_MAXIMUM else x[last])
 
 
 @njit(cache=True)
-def weighted(average: bool, h: Array, slots: Codes, terms: Codes, numbers: Array, table: Array, x: Array) -> float:
+def weighted(average: bool, h: Array, slots: Codes, t: Parts, x: Array) -> float:
     """Sum of strength times consequent over the rules, divided by the strengths if `average`; nan if none fires."""
+    terms, lists, numbers = t.terms, t.lists, t.numbers
     total, weight = 0.0, 0.0
     for k in range(h.size):
         if h[k] > 0.0:
-            t = slots[k, 1]
-            if terms[t, 0] == 16:
-                z = table[terms[t, 2] + x.size]
+            term = slots[k, codes.SLOT_TERM]
+            if terms[term, codes.SHAPE] == codes.LINEAR:
+                first = terms[term, codes.FIRST]
+                z = lists[first + x.size]
                 for i in range(x.size):
-                    z += table[terms[t, 2] + i] * x[i]
+                    z += lists[first + i] * x[i]
             else:
-                z = inverse_member(terms[t, 0], numbers[t], h[k])
+                z = inverse_member(terms[term, codes.SHAPE], numbers[term], h[k])
             total += h[k] * z
             weight += h[k]
     if weight == 0.0:
@@ -236,7 +237,7 @@ def _cuts(h: Array, implied: Codes, summed: bool, left: Array, right: Array, out
     for i in range(n):
         slope = right[i] - left[i]
         for j in range(n):
-            if slope != 0.0 and implied[j] == 0 and (i == j or not summed):
+            if slope != 0.0 and implied[j] == codes.MIN and (i == j or not summed):
                 t = (h[j] - left[i]) / slope
                 if 0.0 < t < 1.0:
                     out[count] = t
@@ -261,7 +262,8 @@ def exact_centroid(knots: Array, lines: Array, h: Array, implied: Codes, summed:
     """Centroid of the max (or sum) of clipped or scaled polygonal sets; nan when their area is 0.
 
     `knots` (m,) cut the range where a set bends; `lines` (m - 1, n, 2) holds each set at both ends of each piece, seen
-    from inside the piece; `h` (n,) are the strengths; a set is clipped where `implied` (n,) is 0, scaled where it is 1.
+    from inside the piece; `h` (n,) are the strengths; a set is clipped where `implied` (n,) is MIN, scaled where it is
+    PRODUCT.
     """
     n = h.size
     cuts = np.empty(2 * n * n + n + 2)
@@ -269,7 +271,7 @@ def exact_centroid(knots: Array, lines: Array, h: Array, implied: Codes, summed:
     area, moment = 0.0, 0.0
     for piece in range(knots.size - 1):
         for k in range(n):
-            scale = h[k] if implied[k] == 1 else 1.0
+            scale = h[k] if implied[k] == codes.PRODUCT else 1.0
             left[k], right[k] = scale * lines[piece, k, 0], scale * lines[piece, k, 1]
         count = _cuts(h, implied, summed, left, right, cuts)
         width = knots[piece + 1] - knots[piece]
@@ -278,7 +280,7 @@ def exact_centroid(knots: Array, lines: Array, h: Array, implied: Codes, summed:
             f = 0.0
             for k in range(n):
                 g = left[k] + cuts[c] * (right[k] - left[k])
-                if implied[k] == 0:
+                if implied[k] == codes.MIN:
                     g = min(h[k], g)
                 f = f + g if summed else max(f, g)
             if c > 0:
@@ -293,9 +295,7 @@ def exact_centroid(knots: Array, lines: Array, h: Array, implied: Codes, summed:
 def _warm() -> None:
     h, implied, mu = np.full((1, 1), 0.5), np.zeros(1, np.int64), np.ones((1, 2))
     rows, sampled = np.ones((2, 3))[:1, :2], np.array([[0.0, 1.0, 2.0], [1.0, 1.0, 1.0]])[:, :2]
-    aggregate(h, rows, implied, 0, mu)
-    of_samples(0, 0, sampled, mu[0])
+    aggregate(h, rows, implied, codes.MAX, mu)
+    of_samples(codes.CENTROID, codes.TRAPEZOID_RULE, sampled, mu[0])
     max_min_centroid(h, rows, sampled, np.zeros(1), np.zeros(1))
     exact_centroid(np.array([0.0, 1.0]), np.ones((1, 1, 2)), h[0], implied, False)
-    terms, numbers = np.array([[15, 0, 0, 0]]), np.ones((1, 5))
-    weighted(True, h[0], np.zeros((1, 4), np.int64), terms, numbers, np.zeros(1), np.zeros(1))

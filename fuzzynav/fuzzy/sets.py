@@ -21,7 +21,8 @@ def cardinality(mu: ArrayLike) -> Array:
     >>> float(cardinality([0.0, 0.5, 1.0, 0.5]))
     2.0
     """
-    return np.asarray(mu, dtype=float).sum(-1)
+    result: Array = np.asarray(mu, dtype=float).sum(-1)
+    return result
 
 
 def support(x: ArrayLike, mu: ArrayLike) -> Array:
@@ -43,12 +44,14 @@ def core(x: ArrayLike, mu: ArrayLike) -> Array:
     >>> core([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]).tolist()
     [2.0]
     """
-    return np.asarray(x, dtype=float)[np.asarray(mu, dtype=float) == 1.0]
+    result: Array = np.asarray(x, dtype=float)[np.asarray(mu, dtype=float) == 1.0]
+    return result
 
 
 def height(mu: ArrayLike) -> Array:
     """Greatest membership (...) of a set (..., n)."""
-    return np.asarray(mu, dtype=float).max(-1)
+    result: Array = np.asarray(mu, dtype=float).max(-1)
+    return result
 
 
 def is_normal(mu: ArrayLike) -> bool:
@@ -81,7 +84,8 @@ def singleton(x: ArrayLike, x0: float) -> Array:
     >>> singleton([0.0, 0.5, 1.0], 0.5).tolist()
     [0.0, 1.0, 0.0]
     """
-    return (np.asarray(x, dtype=float) == x0).astype(float)
+    result: Array = (np.asarray(x, dtype=float) == x0).astype(float)
+    return result
 
 
 _WIDTHS = {"gaussian": 6.0, "bell": 6.0, "spike": 1.0, "cosine": 0.5}
@@ -119,7 +123,8 @@ def match(term: ArrayLike, reading: ArrayLike, norm: str = "min") -> Array:
     >>> float(match([0.0, 0.5, 1.0], [0.4, 1.0, 0.4]))
     0.5
     """
-    return conjunction(term, reading, norm).max(-1)
+    result: Array = conjunction(term, reading, norm).max(-1)
+    return result
 
 
 def relation(premise: ArrayLike, conclusion: ArrayLike, implication: str = "min") -> Array:

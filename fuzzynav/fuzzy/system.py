@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.fuzzy.compiled import Tables, tables
+from fuzzynav.fuzzy.compiled import Compiled, Tables, check_size, compile_system
 from fuzzynav.fuzzy.defuzzify import mean_of_maximum
-from fuzzynav.fuzzy.engine import run as compiled_run
+from fuzzynav.fuzzy.engine import run
 from fuzzynav.fuzzy.gaps import Gaps, combinations, grid
 from fuzzynav.fuzzy.inference import Inference
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.rules import Proposition, Rule, propositions
 from fuzzynav.fuzzy.sets import match, places
-from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
+from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable, tuple_of
 from fuzzynav.geometry import Array
 
-__all__ = ["INFERENCE", "FuzzySystem", "Rule", "RuleBlock", "Term", "Variable"]
+__all__ = ["INFERENCE", "FuzzySystem", "check_rule"]
 
 INFERENCE = {
     "max-min": ("min", "min", "max"),
@@ -30,7 +31,6 @@ INFERENCE = {
 """The three methods of thesis 2.4.4: conjunction, implication, aggregation (the implication is our reading)."""
 
 _EMPTY = np.empty((0, 0))
-_run: Any = compiled_run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,29 +49,35 @@ class FuzzySystem:
     description: str = ""
     _cache: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
+    # what `fuzzynav.fuzzy` binds from its `files`, which stand above this module
+    load: ClassVar[Callable[[str | Path], FuzzySystem]]
+    save: ClassVar[Callable[[FuzzySystem, str | Path], None]]
+    to_skfuzzy: ClassVar[Callable[[FuzzySystem], Any]]
+    from_skfuzzy: ClassVar[Callable[..., FuzzySystem]]
+
     def __post_init__(self) -> None:
-        for part in ("inputs", "outputs", "blocks"):
-            object.__setattr__(self, part, tuple(getattr(self, part)))
+        here = f"fuzzy system {self.name!r}"
+        if not isinstance(self.name, str):
+            raise ValueError(f"the name of a fuzzy system must be text, got {self.name!r}")
+        object.__setattr__(self, "inputs", tuple_of(self.inputs, Variable, f"{here}, inputs"))
+        object.__setattr__(self, "outputs", tuple_of(self.outputs, Variable, f"{here}, outputs"))
+        object.__setattr__(self, "blocks", tuple_of(self.blocks, RuleBlock, f"{here}, blocks"))
         if not self.inputs or not self.outputs:
-            raise ValueError(f"fuzzy system {self.name!r} needs at least one input and one output")
+            raise ValueError(f"{here} needs at least one input and one output")
         if not self.blocks:
-            raise ValueError(f"fuzzy system {self.name!r} has an empty rule base")
+            raise ValueError(f"{here} has an empty rule base")
         names = [v.name for v in (*self.inputs, *self.outputs)]
         if len(set(names)) < len(names):
-            raise ValueError(f"fuzzy system {self.name!r}: two variables have one name: {', '.join(names)}")
+            raise ValueError(f"{here}: two variables have one name: {', '.join(names)}")
+        for variable in self.inputs:
+            variable.check_input()
         for output in self.outputs:
             output.check_output()
-            for term in output.terms:
-                if term.shape == "linear" and len(term.parameters) != len(self.inputs) + 1:
-                    raise ValueError(
-                        f"output {output.name!r}: linear term {term.name!r} needs {len(self.inputs)} coefficients and "
-                        f"a constant, got {len(term.parameters)} numbers"
-                    )
+            _check_linear(output, len(self.inputs))
         for rule in self.rules:
-            for proposition in propositions(rule.antecedent):
-                _check(proposition, self.inputs, "input", rule)
-            for proposition in rule.consequents:
-                _check(proposition, self.outputs, "output", rule)
+            check_rule(rule, self.inputs, self.outputs)
+        _check_exact(self.outputs, self.blocks)
+        check_size(self.outputs, self.blocks)
 
     @property
     def rules(self) -> tuple[Rule, ...]:
@@ -87,12 +93,10 @@ class FuzzySystem:
         """
         if Term in map(type, inputs):
             return tuple(v if v.ndim else float(v) for v in self.evaluate(*inputs, previous=previous).values)
-        prepared = self._tables()
         points, shape = self._points(inputs)
         before = _EMPTY if previous is None else self._previous(previous, shape)
         values = np.empty((len(points), len(self.outputs)))
-        none = np.empty((0, prepared.n_terms))
-        _run(points, _EMPTY, before, *prepared.arrays, values, none, _EMPTY, _EMPTY)
+        run(points, _EMPTY, before, self.tables, values, _EMPTY)
         if shape == ():
             return tuple(values[0].tolist())
         return tuple(values[:, k].reshape(shape) for k in range(len(self.outputs)))
@@ -106,7 +110,7 @@ class FuzzySystem:
         samples of the range and as many of the reading; a linear consequent is fed its mean of maximum. Raises
         ValueError like a call.
         """
-        prepared = self._tables()
+        slots = self._compiled().slots
         crisp = tuple(
             _middle(self.inputs[k], x) if isinstance(x, Term) and k < len(self.inputs) else x
             for k, x in enumerate(inputs)
@@ -128,8 +132,8 @@ class FuzzySystem:
             values=tuple(values[:, k].reshape(shape) for k in range(len(self.outputs))),
             firing=firing.reshape(*shape, -1),
             memberships={v.name: part for v, part in zip(self.inputs, parts, strict=True)},
-            strengths=strengths.reshape(*shape, len(prepared.slots)),
-            slots=prepared.slots,
+            strengths=strengths.reshape(*shape, len(slots)),
+            slots=slots,
         )
 
     def uncovered(self, n: int = 41, below: float = 0.0) -> Gaps:
@@ -151,19 +155,21 @@ class FuzzySystem:
 
     def _evidence(self, points: Array, degrees: Array, before: Array) -> tuple[Array, Array, Array, Array]:
         """Values, memberships, firing and strengths of the sets at points (n, n_inputs), one row each."""
-        prepared, n = self._tables(), len(points)
-        values, memberships = np.empty((n, len(self.outputs))), np.empty((n, prepared.n_terms))
-        firing, strengths = np.empty((n, prepared.n_rules)), np.empty((n, len(prepared.slots)))
-        _run(points, degrees, before, *prepared.arrays, values, memberships, firing, strengths)
+        compiled = self._compiled()
+        ends = np.cumsum([compiled.n_terms, compiled.n_rules, len(compiled.slots)])
+        values, evidence = np.empty((len(points), len(self.outputs))), np.empty((len(points), ends[-1]))
+        run(points, degrees, before, compiled.tables, values, evidence)
+        memberships, firing, strengths = np.split(evidence, ends[:-1], axis=1)
         return values, memberships, firing, strengths
 
     def _silent(self, points: Array, degrees: Array) -> Array:
         """Strength (n,) of the strongest rule for the output that hears least."""
         strengths = self._evidence(points, degrees, _EMPTY)[3]
         heard = np.zeros((len(self.outputs), len(points)))
-        for k, slot in enumerate(self._tables().slots):
+        for k, slot in enumerate(self._compiled().slots):
             heard[slot.output] = np.maximum(heard[slot.output], strengths[:, k])
-        return heard.min(axis=0)
+        least: Array = heard.min(axis=0)
+        return least
 
     def with_inference(self, method: str) -> FuzzySystem:
         """The same knowledge under "max-min", "max-product" or "sum-product" inference.
@@ -177,10 +183,38 @@ class FuzzySystem:
         outputs = tuple(v if v.defuzzifier in WEIGHTED else replace(v, aggregation=aggregation) for v in self.outputs)
         return replace(self, blocks=blocks, outputs=outputs)
 
-    def _tables(self) -> Tables:
-        if "tables" not in self._cache:
-            self._cache["tables"] = tables(self.inputs, self.outputs, self.blocks)
-        return self._cache["tables"]  # type: ignore[no-any-return]
+    def with_terms(self, changed: Mapping[tuple[str, str], Sequence[float]]) -> FuzzySystem:
+        """The same knowledge with other parameters for the terms named by (variable, term); shapes and heights stay.
+
+        Raises ValueError for an unknown variable or term, or parameters that do not fit the shape.
+
+        >>> x = Variable(name="x", low=0, high=4, terms=(Term(name="Low", shape="triangle", parameters=(0, 0, 4)),))
+        >>> rules = RuleBlock(rules=("if x is Low then y is Low",))
+        >>> system = FuzzySystem(name="s", inputs=(x,), outputs=(replace(x, name="y"),), blocks=(rules,))
+        >>> system.with_terms({("x", "Low"): (0, 0, 2)}).inputs[0].fuzzify(1.0).tolist()
+        [0.5]
+        """
+        variables = {v.name: v for v in (*self.inputs, *self.outputs)}
+        for key, parameters in changed.items():
+            if not (isinstance(key, tuple) and len(key) == 2):
+                raise ValueError(f"a term is named by (variable, term), got {key!r}")
+            name, term = key
+            if name not in variables:
+                raise ValueError(f"{self.name!r} has no variable {name!r}; known: {', '.join(variables)}")
+            variables[name] = variables[name].with_term(term, parameters)
+        inputs, outputs = (tuple(variables[v.name] for v in part) for part in (self.inputs, self.outputs))
+        return replace(self, inputs=inputs, outputs=outputs)
+
+    @property
+    def tables(self) -> Tables:
+        """The system as compiled code takes it: for `engine.infer_one` inside a kernel."""
+        return self._compiled().tables
+
+    def _compiled(self) -> Compiled:
+        if "compiled" not in self._cache:
+            self._cache["compiled"] = compile_system(self.inputs, self.outputs, self.blocks)
+        found: Compiled = self._cache["compiled"]
+        return found
 
     def _points(self, inputs: tuple[Any, ...]) -> tuple[Array, tuple[int, ...]]:
         """Inputs as points (n, n_inputs), and the shape that they broadcast to."""
@@ -232,37 +266,41 @@ class FuzzySystem:
                 columns.append(variable.fuzzify(points[:, k]))
         return np.ascontiguousarray(np.concatenate(columns, axis=1))
 
-    @classmethod
-    def load(cls, path: str | Path) -> FuzzySystem:
-        """System read from a .fll or MATLAB .fis file."""
-        from fuzzynav.fuzzy.files import load
-
-        return load(path)
-
-    def save(self, path: str | Path) -> None:
-        """Write the system to a .fll or MATLAB .fis file."""
-        from fuzzynav.fuzzy.files import save
-
-        save(self, path)
-
-    def to_skfuzzy(self) -> Any:
-        """The same system as a scikit-fuzzy ControlSystem."""
-        from fuzzynav.fuzzy.exchange import to_skfuzzy
-
-        return to_skfuzzy(self)
-
-    @classmethod
-    def from_skfuzzy(cls, control_system: Any, name: str = "from_skfuzzy") -> FuzzySystem:
-        """The system that a scikit-fuzzy ControlSystem describes."""
-        from fuzzynav.fuzzy.exchange import from_skfuzzy
-
-        return from_skfuzzy(control_system, name)
-
 
 def _middle(variable: Variable, reading: Term) -> float:
     """Mean of maximum of an uncertain reading over the range of its variable."""
     x = places(reading, variable.low, variable.high)
     return float(mean_of_maximum(x, reading.membership(x)))
+
+
+def _check_linear(output: Variable, n_inputs: int) -> None:
+    """Raise ValueError unless each linear term has a coefficient for each input, and a constant."""
+    for term in output.terms:
+        if term.shape == "linear" and len(term.parameters) != n_inputs + 1:
+            raise ValueError(
+                f"output {output.name!r}: linear term {term.name!r} needs {n_inputs} coefficients and a constant, "
+                f"got {len(term.parameters)} numbers"
+            )
+
+
+def _check_exact(outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> None:
+    """Raise ValueError unless the sets of exact outputs are clipped or scaled, and so stay made of straight lines."""
+    exact = {v.name for v in outputs if v.quadrature == "exact" and v.defuzzifier not in WEIGHTED}
+    for block in blocks:
+        concluded = {c.variable for rule in block.rules for c in rule.consequents}
+        if block.implication not in ("min", "product") and not exact.isdisjoint(concluded):
+            raise ValueError(
+                f"rule block {block.name!r}: quadrature 'exact' is for implication min or product, got "
+                f"{block.implication!r}"
+            )
+
+
+def check_rule(rule: Rule, inputs: tuple[Variable, ...], outputs: tuple[Variable, ...]) -> None:
+    """Raise ValueError unless the rule speaks of known inputs, outputs and terms."""
+    for proposition in propositions(rule.antecedent):
+        _check(proposition, inputs, "input", rule)
+    for proposition in rule.consequents:
+        _check(proposition, outputs, "output", rule)
 
 
 def _check(proposition: Proposition, variables: tuple[Variable, ...], role: str, rule: Rule) -> None:

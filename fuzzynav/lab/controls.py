@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import ipywidgets as widgets
 
-__all__ = ["Choice", "Slider", "label_width", "widget_of"]
+__all__ = ["Choice", "Slider", "widget_of"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +37,16 @@ class Slider:
         """Whether the slider moves over whole numbers."""
         return all(isinstance(v, int) for v in (self.low, self.high, self.value, self.step))
 
+    def rounded(self, value: float) -> float:
+        """The nearest value that the slider can stand at, without the dust of adding steps."""
+        if self.whole:
+            return int(value)
+        steps = round((value - self.low) / self.step)
+        return min(max(round(self.low + steps * self.step, 9), self.low), self.high)
+
     @property
     def name(self) -> str:
-        """Label with unit, as it stands beside the slider."""
+        """Label with unit, as it stands over the slider."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
 
@@ -52,9 +58,13 @@ class Choice:
     options: tuple[str, ...]
     value: str
 
+    def rounded(self, value: str) -> str:
+        """The option itself."""
+        return value
+
     @property
     def name(self) -> str:
-        """Label as it stands beside the list."""
+        """Label as it stands over the list."""
         return self.label
 
     def __post_init__(self) -> None:
@@ -62,14 +72,11 @@ class Choice:
             raise ValueError(f"choice '{self.label}': value '{self.value}' is not one of {', '.join(self.options)}")
 
 
-def widget_of(control: Slider | Choice, label_width: int = 150) -> widgets.ValueWidget:
-    """The widget that stands for a control; its label takes `label_width` pixels."""
-    style = {"description_width": f"{label_width}px"}
-    layout = widgets.Layout(width=f"{label_width + 230}px")
+def widget_of(control: Slider | Choice) -> widgets.ValueWidget:
+    """The widget that stands for a control."""
+    style = {"description_width": "initial"}
     if isinstance(control, Choice):
-        return widgets.Dropdown(
-            options=control.options, value=control.value, description=control.name, style=style, layout=layout
-        )
+        return widgets.Dropdown(options=control.options, value=control.value, description=control.name, style=style)
     kind = widgets.IntSlider if control.whole else widgets.FloatSlider
     readout = {} if control.whole else {"readout_format": f".{_decimals(control.step)}f"}
     return kind(
@@ -80,15 +87,8 @@ def widget_of(control: Slider | Choice, label_width: int = 150) -> widgets.Value
         description=control.name,
         continuous_update=True,
         style=style,
-        layout=layout,
         **readout,
     )
-
-
-def label_width(controls: Iterable[Slider | Choice]) -> int:
-    """Pixels that the longest label of a panel needs."""
-    longest = max((len(control.name) for control in controls), default=0)
-    return min(max(60, 10 + 7 * longest), 280)
 
 
 def _decimals(step: float) -> int:

@@ -51,7 +51,7 @@ class Paint:
         self.result: SearchResult
         self._search()
         blit = Blit((5.0, 5.0))
-        blit_update = paint_picture(grid, self.result, start, goal)(blit.figure)
+        blit_update = paint_picture(blit.figure, grid=grid, found=self.result, start=start, goal=goal)
         blit_update()
         self._still = blit.png(None, level=9)
 

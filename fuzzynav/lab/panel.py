@@ -10,51 +10,65 @@ from typing import Any
 
 import ipywidgets as widgets
 
-from fuzzynav.lab.controls import Choice, Slider, label_width, widget_of
+from fuzzynav.lab.controls import Choice, Slider, widget_of
 from fuzzynav.lab.plain import Guard, plain_words
-from fuzzynav.plot.blit import Blit, Setup
+from fuzzynav.plot.blit import Blit, Lab, captioned, paler
 
 __all__ = ["Panel", "Player"]
 
 Control = Slider | Choice
+SIDE = "270px"  # width of the column of sliders
+# each label above its slider, both as wide as the column
+LOOK = """<style>
+.fuzzynav-lab .widget-inline-hbox { flex-wrap: wrap; height: auto; width: 100%; margin: 0 0 4px 0; }
+.fuzzynav-lab .widget-inline-hbox > .widget-label { flex: 1 0 100%; text-align: left; max-width: none; width: 100%; }
+.fuzzynav-lab .widget-image { width: 100%; }
+</style>"""
 
 
 class Panel:
-    """A picture beside its sliders; `setup(fig)` draws what stays and returns `update(**values)`.
+    """A picture beside its sliders; `lab(figure, **given)` draws what stays and returns `update(**values)`.
 
     `update` returns the artists that changed (None: all of the figure) and a line of text. Artists
-    that it makes anew at each call it must remove itself. The picture follows while a slider is
-    dragged; the browser sends a slider's newest value only when the last one is drawn, so that
-    nothing queues. An error in `update` becomes a sentence in the panel.
+    that it makes anew at each call it must remove itself. A value reaches it rounded to its slider's step. The
+    picture follows while a slider is dragged; the browser sends a slider's newest value only when the last one is
+    drawn, so that nothing queues. An error in `update` becomes a sentence in the panel, over a pale picture.
     """
 
     def __init__(
-        self, setup: Setup, sliders: Mapping[str, Control], *, title: str, size: tuple[float, float] = (7.0, 4.0)
+        self,
+        lab: Lab,
+        sliders: Mapping[str, Control],
+        *,
+        title: str,
+        size: tuple[float, float] = (7.0, 4.0),
+        given: Mapping[str, Any] | None = None,
     ) -> None:
         self.title = title
         self.text = ""
         self.saved: tuple[Path, ...] = ()
         self._controls = dict(sliders)
         self._blit = Blit(size)
-        self._update = setup(self._blit.figure)
+        self._update = lab(self._blit.figure, **(given or {}))
         self._first = {name: control.value for name, control in self._controls.items()}
-        width = label_width(self._controls.values())
-        self._widgets = {name: widget_of(control, width) for name, control in self._controls.items()}
+        self._widgets = {name: widget_of(control) for name, control in self._controls.items()}
         self._quiet = False
         self._line, self._note = widgets.HTML(), widgets.HTML()
-        self._image = widgets.Image(format="png", width=self._blit.width, layout=widgets.Layout(max_width="100%"))
+        wide = widgets.Layout(width="100%", max_width=f"{round(1.3 * self._blit.width)}px")
+        self._image = widgets.Image(format="png", width=self._blit.width, layout=wide)
         for widget in self._widgets.values():
             widget.observe(self._changed, names="value")
         self._view = self._arrange()
         artists, self.text = self._compute()  # a fault in the first picture is the author's: it is raised
-        self._still = self._blit.png(artists, level=9)
-        self._image.value = self._still
+        picture = self._blit.png(artists, level=9)
+        self._still = captioned(picture, self.text)
+        self._image.value = picture
         self._say(self.text)
 
     @property
     def values(self) -> dict[str, Any]:
-        """The present value of each control by name."""
-        return {name: widget.value for name, widget in self._widgets.items()}
+        """The present value of each control by name, rounded to the control's step."""
+        return {name: control.rounded(self._widgets[name].value) for name, control in self._controls.items()}
 
     @property
     def png(self) -> bytes:
@@ -92,7 +106,7 @@ class Panel:
         return f"Lab: {self.title}"
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, object]:
-        """Text, the first picture for readers without a kernel, and the live view."""
+        """Text, the first picture with its line of text for readers without a kernel, and the live view."""
         view = self._view._repr_mimebundle_()
         return {**view, "text/plain": repr(self), "image/png": self._still}
 
@@ -116,10 +130,13 @@ class Panel:
         return [reset, save]
 
     def _arrange(self) -> widgets.Widget:
-        head = widgets.HTML(f"<b>{html.escape(self.title)}</b>")
-        left = widgets.VBox([head, *self._widgets.values(), widgets.HBox(self._buttons()), self._note])
-        right = widgets.VBox([self._image, self._line])
-        return widgets.HBox([left, right], layout=widgets.Layout(flex_flow="row wrap"))
+        head = widgets.HTML(f"{LOOK}<b>{html.escape(self.title)}</b>")
+        side = widgets.Layout(width=SIDE, flex="0 0 auto", margin="0 12px 0 0")
+        left = widgets.VBox([head, *self._widgets.values(), widgets.HBox(self._buttons()), self._note], layout=side)
+        right = widgets.VBox([self._image, self._line], layout=widgets.Layout(flex="1 1 0", min_width="240px"))
+        view = widgets.HBox([left, right], layout=widgets.Layout(width="100%", align_items="flex-start"))
+        view.add_class("fuzzynav-lab")
+        return view
 
     def _changed(self, change: object) -> None:
         if not self._quiet:
@@ -132,6 +149,7 @@ class Panel:
             self._image.value = self._blit.png(artists)
         if guard.error is not None:
             self.text = f"No picture for these values: {plain_words(guard.error)}."
+            self._image.value = paler(self.png)
         self._say(self.text)
 
     def _compute(self) -> tuple[list[Any] | None, str]:
@@ -158,7 +176,7 @@ class Player(Panel):
 
     def __init__(
         self,
-        setup: Setup,
+        lab: Lab,
         frames: int,
         *,
         title: str,
@@ -166,12 +184,13 @@ class Player(Panel):
         size: tuple[float, float] = (7.0, 4.0),
         sliders: Mapping[str, Control] | None = None,
         first: int = 0,
+        given: Mapping[str, Any] | None = None,
     ) -> None:
         if frames < 2:
             raise ValueError(f"a player needs at least 2 frames, got {frames}")
         self._interval = interval_ms
         controls: dict[str, Control] = {"frame": Slider("frame", 0, frames - 1, first, 1)}
-        super().__init__(setup, {**controls, **(sliders or {})}, title=title, size=size)
+        super().__init__(lab, {**controls, **(sliders or {})}, title=title, size=size, given=given)
 
     def step(self, count: int = 1) -> None:
         """Move on by `count` frames, staying within the first and the last."""

@@ -13,8 +13,8 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from scipy.stats import chi2
 
-from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import move
+from fuzzynav.geometry import Array, read_only, sealed, wrap
+from fuzzynav.robot import move
 
 __all__ = [
     "Belief",
@@ -66,7 +66,8 @@ class MotionNoise:
 class Belief:
     """A Gaussian over poses: mean `(3,)` [m, m, rad] and covariance `(3, 3)`.
 
-    Raises ValueError if a number is not finite or the covariance is not symmetric and non-negative.
+    Both are read-only copies. Raises ValueError if a number is not finite or the covariance is not symmetric and
+    non-negative.
     """
 
     mean: Array
@@ -80,16 +81,20 @@ class Belief:
         if np.abs(cov - cov.T).max() > 1e-9 * scale or np.linalg.eigvalsh(cov)[0] < -1e-9 * scale:
             raise ValueError("the covariance of a belief must be symmetric and without negative variance")
         mean[2] = wrap(mean[2])
-        object.__setattr__(self, "mean", mean)
-        object.__setattr__(self, "covariance", (cov + cov.T) / 2.0)
+        object.__setattr__(self, "mean", sealed(mean))
+        object.__setattr__(self, "covariance", sealed((cov + cov.T) / 2.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Beliefs along a run: means `(n, 3)` and covariances `(n, 3, 3)`."""
+    """Beliefs along a run: means `(n, 3)` and covariances `(n, 3, 3)`, read-only."""
 
     means: Array
     covariances: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "means", read_only(self.means))
+        object.__setattr__(self, "covariances", read_only(self.covariances))
 
 
 # --- dead reckoning ----------------------------------------------------------------------------
@@ -196,6 +201,9 @@ class Correction:
     belief: Belief
     innovations: Array
     nis: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "innovations", read_only(self.innovations))
 
 
 def expected(pose: ArrayLike, landmarks: ArrayLike) -> Array:

@@ -12,11 +12,12 @@ from numba import njit
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav.geometry import Array, wrap
+from fuzzynav.geometry import Array, read_only, sealed, wrap
 from fuzzynav.localization.kalman import Belief, MotionNoise, sample_motions
-from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import move
-from fuzzynav.sensors.scene import Scan
+from fuzzynav.maps.gridmap import GridMap, cells_across
+from fuzzynav.maps.kernels import Record, framed
+from fuzzynav.robot import move
+from fuzzynav.sensors import Scan
 
 __all__ = [
     "LikelihoodField",
@@ -70,7 +71,8 @@ class MonteCarlo:
 class Swarm:
     """Particles: poses `(n, 3)`, weights `(n,)` with the sum 1, and the two averages of recovery (0: not yet known).
 
-    Raises ValueError if there is no particle, a pose is not finite, or the weights are no weights.
+    Both arrays are read-only. Raises ValueError if there is no particle, a pose is not finite, or the weights are no
+    weights.
     """
 
     poses: Array
@@ -79,6 +81,8 @@ class Swarm:
     fast: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", read_only(self.poses))
+        object.__setattr__(self, "weights", read_only(self.weights))
         if self.poses.ndim != 2 or self.poses.shape[1:] != (3,) or len(self.poses) == 0:
             raise ValueError(f"a swarm needs poses (n, 3) with n >= 1, got shape {self.poses.shape}")
         if self.weights.shape != self.poses.shape[:1] or not np.isfinite(self.poses).all():
@@ -89,12 +93,15 @@ class Swarm:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LikelihoodField:
-    """Log likelihood of a beam that ends in each cell, `(rows, cols)`, and what it was made from."""
+    """Log likelihood of a beam that ends in each cell, `(rows, cols)`, read-only, and what it was made from."""
 
     log: Array
     grid: GridMap
     resolution: float
     floor: float  # of a beam that ends outside the map
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "log", read_only(self.log))
 
 
 # --- making swarms -----------------------------------------------------------------------------
@@ -146,16 +153,22 @@ def likelihood_field(grid: GridMap, params: MonteCarlo, resolution: float = 0.05
     """How likely a beam ends at each place of the map: a Gaussian of the distance to the nearest obstacle,
     mixed with `random_share` of beams that end anywhere; cells are cut to at most `resolution` [m].
 
+    Raises ValueError for a resolution that is not positive or would cut the map into more than 25 million cells.
+
     >>> field = likelihood_field(GridMap.from_ascii("..#"), MonteCarlo(), 1.0)
     >>> field.log[0, 2].round(6), field.floor.round(3)             # on the obstacle, and far from it
     (np.float64(0.0), np.float64(-1.897))
     """
-    cut = max(int(np.ceil(grid.resolution / resolution - 1e-9)), 1)
-    fine = GridMap(np.kron(grid.occupied, np.ones((cut, cut), dtype=bool)), grid.resolution / cut, grid.origin)
+    rows, cols = grid.shape
+    per_cell, _ = cells_across(grid.resolution, grid.resolution, resolution)
+    cells_across(rows * per_cell, cols * per_cell, 1.0)  # refuses what would not fit in memory
+    fine = GridMap(
+        np.kron(grid.occupied, np.ones((per_cell, per_cell), dtype=bool)), grid.resolution / per_cell, grid.origin
+    )
     distance = fine.distance_field(border=False)
     hit = np.exp(-0.5 * (distance / params.hit_sigma) ** 2)
     log = np.log((1.0 - params.random_share) * hit + params.random_share)
-    return LikelihoodField(np.ascontiguousarray(log), grid, fine.resolution, np.log(params.random_share))
+    return LikelihoodField(sealed(log), grid, fine.resolution, np.log(params.random_share))
 
 
 @njit(cache=True)
@@ -163,20 +176,21 @@ def _score(
     poses: Array,
     beams: Array,
     log: Array,
-    occupied: NDArray[np.bool_],
-    floor: float,
-    x0: float,
-    y0: float,
     fine: float,
-    coarse: float,
+    floor: float,
+    occupied: NDArray[np.bool_],
+    frame: Record,
 ) -> Array:
-    """Sum over the beams' ends `(b, 2)` in the body frame of the field's value, for each pose; floor off the map."""
+    """Sum over the beams' ends `(b, 2)` in the body frame of the field's value, for each pose; floor off the map.
+
+    `log` has cells of the side `fine` [m], the map `occupied` those of its `frame`.
+    """
     rows, cols = log.shape
     out = np.empty(len(poses))
     for i in range(len(poses)):
-        x, y = poses[i, 0] - x0, poses[i, 1] - y0
+        x, y = poses[i, 0] - frame[0].x, poses[i, 1] - frame[0].y
         c, s = np.cos(poses[i, 2]), np.sin(poses[i, 2])
-        u, v = int(np.floor(x / coarse)), int(np.floor(y / coarse))
+        u, v = int(np.floor(x / frame[0].resolution)), int(np.floor(y / frame[0].resolution))
         if u < 0 or v < 0 or u >= occupied.shape[1] or v >= occupied.shape[0] or occupied[v, u]:
             out[i] = floor * len(beams)
             continue
@@ -200,19 +214,10 @@ def log_likelihoods(poses: ArrayLike, scan: Scan, field: LikelihoodField, params
     if len(hits) > params.beams:
         hits = hits[np.linspace(0, len(hits) - 1, int(params.beams)).round().astype(int)]
     ends = np.stack([scan.ranges[hits] * np.cos(scan.angles[hits]), scan.ranges[hits] * np.sin(scan.angles[hits])], -1)
-    x0, y0 = field.grid.origin
-    where = np.ascontiguousarray(np.atleast_2d(np.asarray(poses, dtype=float)))
-    return _score(
-        where,
-        ends,
-        field.log,
-        field.grid.occupied,
-        float(field.floor),
-        float(x0),
-        float(y0),
-        float(field.resolution),
-        float(field.grid.resolution),
-    ), len(hits)
+    where = sealed(np.ascontiguousarray(np.atleast_2d(np.asarray(poses, dtype=float))).view())
+    frame = framed(field.grid.resolution, field.grid.origin)
+    fine, floor = float(field.resolution), float(field.floor)
+    return _score(where, ends, field.log, fine, floor, field.grid.occupied, frame), len(hits)
 
 
 def weigh(swarm: Swarm, scan: Scan, field: LikelihoodField, params: MonteCarlo) -> Swarm:

@@ -14,8 +14,9 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import expit
 
-from fuzzynav.geometry import Array
-from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.geometry import Array, read_only, sealed
+from fuzzynav.maps.gridmap import GridMap, cells_across
+from fuzzynav.maps.kernels import Record, framed
 
 __all__ = [
     "InverseSensor",
@@ -30,6 +31,7 @@ __all__ = [
 ]
 
 LARGEST = 50_000_000  # cells of one map
+_ODDS = np.dtype((np.record, [(name, "f8") for name in ("hit", "miss", "low", "high", "reach")]))
 
 
 def log_odds(chance: ArrayLike) -> Array:
@@ -86,11 +88,17 @@ class Sharpness(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OccupancyGrid:
-    """Log odds `(rows, cols)` of occupation, row 0 lowest; 0 where nothing was seen; resolution and origin [m]."""
+    """Log odds `(rows, cols)` of occupation, row 0 lowest; 0 where nothing was seen; resolution and origin [m].
+
+    The log odds are read-only: `update` makes a new grid.
+    """
 
     log_odds: Array
     resolution: float
     origin: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "log_odds", read_only(self.log_odds))
 
     @property
     def probability(self) -> Array:
@@ -125,10 +133,8 @@ def empty(bounds: ArrayLike, resolution: float) -> OccupancyGrid:
         raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
     if not (np.isfinite([xmin, xmax, ymin, ymax]).all() and xmin < xmax and ymin < ymax):
         raise ValueError(f"bounds must be finite xmin < xmax, ymin < ymax, got {[xmin, xmax, ymin, ymax]}")
-    size = [max(int(np.ceil((high - low) / resolution - 1e-9)), 1) for low, high in ((ymin, ymax), (xmin, xmax))]
-    if size[0] * size[1] > LARGEST:
-        raise ValueError(f"{size[0]} x {size[1]} cells are too many: is a pose or a range far off?")
-    return OccupancyGrid(np.zeros(size), float(resolution), (xmin, ymin))
+    size = cells_across(ymax - ymin, xmax - xmin, resolution, LARGEST)
+    return OccupancyGrid(sealed(np.zeros(size)), float(resolution), (xmin, ymin))
 
 
 def update(
@@ -146,9 +152,10 @@ def update(
     """
     where, told, beams = _scans(poses, ranges, angles)
     out = grid.log_odds.copy()
-    odds = log_odds([sensor.hit, sensor.miss, sensor.low, sensor.high])
-    _update(out, where, told, beams, grid.resolution, *grid.origin, odds, float(sensor.reach))
-    return OccupancyGrid(out, grid.resolution, grid.origin)
+    odds = np.zeros(1, dtype=_ODDS)
+    odds[0] = (*log_odds([sensor.hit, sensor.miss, sensor.low, sensor.high]), sensor.reach)
+    _update(out, where, told, beams, framed(grid.resolution, grid.origin), odds)
+    return OccupancyGrid(sealed(out), grid.resolution, grid.origin)
 
 
 def build(
@@ -171,7 +178,7 @@ def build(
 
 
 def _scans(poses: ArrayLike, ranges: ArrayLike, angles: ArrayLike) -> tuple[Array, Array, Array]:
-    """Poses, ranges and angles as arrays, or a ValueError."""
+    """Poses, ranges and angles as read-only arrays, or a ValueError."""
     where, told = np.ascontiguousarray(poses, dtype=float), np.ascontiguousarray(ranges, dtype=float)
     beams = np.ascontiguousarray(angles, dtype=float)
     where, told = (where[None] if where.ndim == 1 else where), (told[None] if told.ndim == 1 else told)
@@ -186,7 +193,7 @@ def _scans(poses: ArrayLike, ranges: ArrayLike, angles: ArrayLike) -> tuple[Arra
     if (told[np.isfinite(told)] < 0).any():
         scan = int(np.argwhere(np.isfinite(told) & (told < 0))[0, 0])
         raise ValueError(f"scan {scan} holds a negative range; nan stands for no measurement")
-    return where, told, beams
+    return sealed(where.view()), sealed(told.view()), sealed(beams.view())
 
 
 def _around(poses: Array, ranges: Array, angles: Array, reach: float, resolution: float) -> Array:
@@ -213,23 +220,25 @@ def voxels(points: ArrayLike, size: float) -> NDArray[np.int64]:
     return np.unique(np.floor(p[np.isfinite(p).all(axis=1)] / size).astype(np.int64), axis=0)
 
 
+class _Beam(NamedTuple):
+    """A beam in cells: where it starts, its unit direction, how far it clears, and whether it has no end there."""
+
+    x: float
+    y: float
+    dx: float
+    dy: float
+    length: float
+    endless: bool
+
+
 @njit(cache=True)
-def _update(
-    odds: Array,
-    poses: Array,
-    ranges: Array,
-    angles: Array,
-    resolution: float,
-    origin_x: float,
-    origin_y: float,
-    sensor: Array,
-    reach: float,
-) -> None:
-    """Add scans to the log odds in place; `sensor` holds the log odds of hit, miss, low, high."""
+def _update(odds: Array, poses: Array, ranges: Array, angles: Array, frame: Record, sensor: Record) -> None:
+    """Add scans to the log odds in place; `sensor` holds the log odds of hit, miss, low, high, and the reach [m]."""
     rows, cols = odds.shape
+    resolution, reach, hit, high = frame[0].resolution, sensor[0].reach, sensor[0].hit, sensor[0].high
     told = np.zeros((rows, cols), dtype=np.int32)  # the scan that told this cell last, counted from 1
     for n in range(poses.shape[0]):
-        x, y = (poses[n, 0] - origin_x) / resolution, (poses[n, 1] - origin_y) / resolution
+        x, y = (poses[n, 0] - frame[0].x) / resolution, (poses[n, 1] - frame[0].y) / resolution
         c, s = np.cos(poses[n, 2] + angles), np.sin(poses[n, 2] + angles)
         for k in range(angles.shape[0]):
             r = ranges[n, k]
@@ -237,42 +246,30 @@ def _update(
                 continue
             i, j = int(np.floor(x + r / resolution * c[k])), int(np.floor(y + r / resolution * s[k]))
             if 0 <= i < cols and 0 <= j < rows and told[j, i] != n + 1:
-                odds[j, i] = min(odds[j, i] + sensor[0], sensor[3])
+                odds[j, i] = min(odds[j, i] + hit, high)
                 told[j, i] = n + 1
         for k in range(angles.shape[0]):
             if ranges[n, k] >= 0.0:  # neither nan nor -inf
-                _clear(odds, told, n + 1, x, y, c[k], s[k], ranges[n, k], reach, resolution, sensor)
+                length = min(ranges[n, k], reach) / resolution
+                _clear_way(odds, told, n + 1, _Beam(x, y, c[k], s[k], length, ranges[n, k] > reach), sensor)
 
 
 @njit(cache=True)
-def _clear(
-    odds: Array,
-    told: NDArray[np.int32],
-    scan: int,
-    x: float,
-    y: float,
-    dx: float,
-    dy: float,
-    range_: float,
-    reach: float,
-    resolution: float,
-    sensor: Array,
-) -> None:
-    """Lower the odds of the cells from (x, y) [cells] to the end of a beam, without the cell it ends in."""
+def _clear_way(odds: Array, told: NDArray[np.int32], scan: int, beam: _Beam, sensor: Record) -> None:
+    """Lower the odds of the cells from the start to the end of a beam, without the cell it ends in."""
     rows, cols = odds.shape
-    long = range_ > reach
-    length = min(range_, reach) / resolution
-    i, j = int(np.floor(x)), int(np.floor(y))
-    last_i, last_j = int(np.floor(x + length * dx)), int(np.floor(y + length * dy))
-    step_x, step_y = 1 if dx > 0.0 else -1, 1 if dy > 0.0 else -1
-    inv_x = 1.0 / dx if dx != 0.0 else np.inf
-    inv_y = 1.0 / dy if dy != 0.0 else np.inf
-    tx = ((i + 1 if dx > 0.0 else i) - x) * inv_x if dx != 0.0 else np.inf
-    ty = ((j + 1 if dy > 0.0 else j) - y) * inv_y if dy != 0.0 else np.inf
-    count = abs(last_i - i) + abs(last_j - j) + (1 if long else 0)
+    miss, low = sensor[0].miss, sensor[0].low
+    i, j = int(np.floor(beam.x)), int(np.floor(beam.y))
+    last_i, last_j = int(np.floor(beam.x + beam.length * beam.dx)), int(np.floor(beam.y + beam.length * beam.dy))
+    step_x, step_y = 1 if beam.dx > 0.0 else -1, 1 if beam.dy > 0.0 else -1
+    inv_x = 1.0 / beam.dx if beam.dx != 0.0 else np.inf
+    inv_y = 1.0 / beam.dy if beam.dy != 0.0 else np.inf
+    tx = ((i + 1 if beam.dx > 0.0 else i) - beam.x) * inv_x if beam.dx != 0.0 else np.inf
+    ty = ((j + 1 if beam.dy > 0.0 else j) - beam.y) * inv_y if beam.dy != 0.0 else np.inf
+    count = abs(last_i - i) + abs(last_j - j) + (1 if beam.endless else 0)
     for _ in range(count):
         if 0 <= i < cols and 0 <= j < rows and told[j, i] != scan:
-            odds[j, i] = max(odds[j, i] + sensor[1], sensor[2])
+            odds[j, i] = max(odds[j, i] + miss, low)
             told[j, i] = scan
         if tx < ty:
             i += step_x

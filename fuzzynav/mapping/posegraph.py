@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from fuzzynav.geometry import Array, compose, inverse, wrap
+from fuzzynav.geometry import Array, compose, inverse, read_only, wrap
 from fuzzynav.mapping.logs import ScanLog
 
 __all__ = ["Solution", "chain", "residuals", "solve"]
@@ -20,11 +20,15 @@ Ids = NDArray[np.int64]
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
     """Corrected poses `(n, 3)`, the weighted squared error before each step and after the last, and whether the last
-    step was below the tolerance."""
+    step was below the tolerance. The arrays are read-only."""
 
     poses: Array
     errors: Array
     converged: bool
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "poses", read_only(self.poses))
+        object.__setattr__(self, "errors", read_only(self.errors))
 
 
 def chain(log: ScanLog) -> Array:

@@ -8,14 +8,35 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav.geometry import Array
-from fuzzynav.maps import files as mapfiles
-from fuzzynav.maps import kernels
+from fuzzynav.geometry import Array, read_only, sealed
+from fuzzynav.maps import files, kernels
+from fuzzynav.maps.drawings import format_ascii, parse_ascii
+from fuzzynav.maps.mapdata import MAX_CELLS, MapData
 
-__all__ = ["CORNER_RULES", "GridMap"]
+__all__ = ["CORNER_RULES", "GridMap", "cells_across"]
 
+_FARTHEST = 2.0**62  # [cells] further off no cell is counted
 CORNER_RULES = ("strict", "permissive")
-_NO_SKIP = np.empty((0, 0), dtype=np.uint8)
+_NO_SKIP = read_only(np.empty((0, 0)), np.uint8)
+
+
+def cells_across(height: float, width: float, resolution: float, limit: int = MAX_CELLS) -> tuple[int, int]:
+    """Rows and columns of cells of side `resolution` [m] that cover a rectangle [m]; a sliver of 1e-9 is no cell.
+
+    Raises ValueError for a resolution that is not positive, and for more cells than `limit`.
+
+    >>> cells_across(1.0, 2.1, 0.5)
+    (2, 5)
+    """
+    if not (np.isfinite(resolution) and resolution > 0):
+        raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
+    rows, cols = (max(np.ceil(side / resolution - 1e-9), 1.0) for side in (float(height), float(width)))
+    if not rows * cols <= limit:
+        raise ValueError(
+            f"{rows:.6g} x {cols:.6g} cells of {resolution} m are too many, at most {limit} are made: "
+            "take larger cells, or see whether a pose or a range is far off"
+        )
+    return int(rows), int(cols)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,6 +47,7 @@ class GridMap:
     Cells are named `(n, 2)` integers x = column, y = row, counted from 0. What lies outside the
     map counts as occupied, in every method. `unknown`, where a file has it, is a mask of cells that nobody has
     seen: free for every method of this class until `unknown_as_occupied()` is called.
+    Both arrays are copies that cannot be written to, so that no distance is ever that of an older map.
     Raises ValueError for an empty, not two-dimensional or not boolean array, or a bad resolution or origin.
     """
 
@@ -33,6 +55,7 @@ class GridMap:
     resolution: float = 1.0
     origin: tuple[float, float] = (0.0, 0.0)
     unknown: NDArray[np.bool_] | None = None
+    _frame: kernels.Record = field(init=False, repr=False)
     _fields: dict[bool, Array] = field(default_factory=dict, init=False, repr=False)
     _skips: dict[bool, kernels.Bytes] = field(default_factory=dict, init=False, repr=False)
 
@@ -46,6 +69,7 @@ class GridMap:
             raise ValueError(f"origin must be two finite numbers of metres, got {self.origin}")
         object.__setattr__(self, "origin", origin)
         object.__setattr__(self, "resolution", float(self.resolution))
+        object.__setattr__(self, "_frame", kernels.framed(self.resolution, self.origin))
         if self.unknown is not None:
             object.__setattr__(self, "unknown", _mask(self.unknown, "unknown"))
             if self.unknown.shape != self.occupied.shape:
@@ -53,16 +77,20 @@ class GridMap:
             if (self.unknown & self.occupied).any():
                 raise ValueError("a cell cannot be both unknown and occupied")
 
+    def __reduce__(self) -> tuple[type[GridMap], tuple[object, ...]]:
+        """Copies and pickles are made anew from the cells: their arrays are read-only too."""
+        return GridMap, (self.occupied, self.resolution, self.origin, self.unknown)
+
     # -- files
 
     @classmethod
     def load(cls, path: str | Path) -> GridMap:
         """Map from a MovingAI `.map`, a ROS map_server `.yaml` with its image, or an ASCII `.txt` file."""
-        return cls(*mapfiles.load(path))
+        return cls(*files.load(path))
 
     def save(self, path: str | Path) -> None:
         """Write the map as `.map`, `.yaml` with a `.pgm` beside it, or `.txt`; whole or not at all."""
-        mapfiles.save(path, mapfiles.MapData(self.occupied, self.resolution, self.origin, self.unknown))
+        files.save(path, MapData(self.occupied, self.resolution, self.origin, self.unknown))
 
     @classmethod
     def from_ascii(cls, text: str, resolution: float = 1.0, origin: tuple[float, float] = (0.0, 0.0)) -> GridMap:
@@ -73,12 +101,12 @@ class GridMap:
         ... ...''').is_occupied([[2.5, 1.5], [2.5, 0.5]]).tolist()
         [True, False]
         """
-        occupied, _, _, unknown = mapfiles.parse_ascii(text)
+        occupied, _, _, unknown = parse_ascii(text)
         return cls(occupied, resolution, origin, unknown)
 
     def to_ascii(self) -> str:
         """The map as the characters that `from_ascii` reads."""
-        return mapfiles.format_ascii(self.occupied, self.unknown)
+        return format_ascii(self.occupied, self.unknown)
 
     # -- cells and points
 
@@ -94,11 +122,12 @@ class GridMap:
         return (x, x + cols * self.resolution, y, y + rows * self.resolution)
 
     def cell_of(self, points: ArrayLike) -> NDArray[np.int64]:
-        """Cells `(..., 2)` x, y that hold the points `(..., 2)` [m]; may lie outside the map.
+        """Cells `(..., 2)` x, y that hold the points `(..., 2)` [m]; may lie outside the map, at most 2^62 cells.
 
         Raises ValueError for a point that is not finite.
         """
-        return np.floor((_finite(points, "points") - self.origin) / self.resolution).astype(np.int64)
+        cells = np.floor((_finite(points, "points") - self.origin) / self.resolution)
+        return np.minimum(np.maximum(cells, -_FARTHEST), _FARTHEST).astype(np.int64)
 
     def center_of(self, cells: ArrayLike) -> Array:
         """Centres `(..., 2)` [m] of cells `(..., 2)` x, y."""
@@ -142,22 +171,22 @@ class GridMap:
         return self.field_in_cells(border) * self.resolution
 
     def field_in_cells(self, border: bool = True) -> Array:
-        """The distance field in cells, computed once and shared: do not write to it."""
+        """The distance field in cells, computed once, shared and therefore read-only."""
         if border not in self._fields:
-            self._fields[border] = kernels._distance(self.occupied, border)
+            self._fields[border] = sealed(kernels.distance_field(self.occupied, border))
         return self._fields[border]
 
     def skip_in_cells(self, border: bool = True) -> kernels.Bytes:
-        """The distance field in whole cells, at most 255, for rays to jump by; shared: do not write to it."""
+        """The distance field in whole cells, at most 255, for rays to jump by; shared and therefore read-only."""
         if border not in self._skips:
-            self._skips[border] = np.minimum(self.field_in_cells(border), 255.0).astype(np.uint8)
+            self._skips[border] = sealed(np.minimum(self.field_in_cells(border), 255.0).astype(np.uint8))
         return self._skips[border]
 
     def distance(self, points: ArrayLike, border: bool = True) -> Array:
         """Distance [m] from any points `(..., 2)` to the nearest occupied square; exact, 0 inside one."""
         p = (_finite(points, "points") - self.origin) / self.resolution
         return (
-            kernels._nearest_all(self.occupied, self.field_in_cells(border), p.reshape(-1, 2), border).reshape(
+            kernels.distances_at(self.occupied, self.field_in_cells(border), p.reshape(-1, 2), border).reshape(
                 p.shape[:-1]
             )
             * self.resolution
@@ -185,10 +214,15 @@ class GridMap:
         """Cells `(n, 2)` that the segment a-b [m] meets, from a to b (supercover); some may lie outside the map.
 
         "strict" takes every cell that is touched, also by a corner only; "permissive" only those whose inside is met.
+        Raises ValueError for a segment longer than a million cells.
         """
         _check_rule(corners)
         (ax, ay), (bx, by) = self._cells_float(a), self._cells_float(b)
-        cells = kernels._crossed(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
+        if not max(abs(bx - ax), abs(by - ay)) <= 1e6:
+            raise ValueError(
+                f"the line from {(ax, ay)} to {(bx, by)} in cells is longer than a million cells of {self.resolution} m"
+            )
+        cells = kernels.crossed_cells(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
         return cells[np.argsort(cells @ [bx - ax, by - ay], kind="stable")]
 
     def clear_line(self, a: ArrayLike, b: ArrayLike, radius: float = 0.0, corners: str = "strict") -> bool:
@@ -201,7 +235,7 @@ class GridMap:
         if not (np.isfinite(radius) and radius >= 0):
             raise ValueError(f"radius must be a finite number of metres, 0 or more, got {radius}")
         (ax, ay), (bx, by) = self._cells_float(a), self._cells_float(b)
-        return bool(kernels._clear(self.occupied, ax, ay, bx, by, radius / self.resolution, corners == "strict"))
+        return bool(kernels.disc_passes(self.occupied, ax, ay, bx, by, radius / self.resolution, corners == "strict"))
 
     def cast(self, pose: ArrayLike, angles: ArrayLike, range_max: float, border: bool = True) -> Array:
         """Ranges [m] `(n,)` of beams at `angles` [rad, body frame] from one pose `(3,)`, or `(m, n)` from `(m, 3)`.
@@ -219,11 +253,10 @@ class GridMap:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
         rows = np.atleast_2d(poses)
         worth = border in self._fields or len(rows) * len(beams) > 2000
-        ranges = kernels._cast(
+        ranges = kernels.cast_rays(
             self.occupied,
             self.skip_in_cells(border) if worth else _NO_SKIP,
-            self.resolution,
-            *self.origin,
+            self._frame,
             rows,
             beams,
             float(range_max),
@@ -238,13 +271,13 @@ class GridMap:
 
 
 def _mask(values: ArrayLike, name: str) -> NDArray[np.bool_]:
-    """A contiguous boolean copy, or a ValueError that names the field."""
+    """A contiguous boolean copy that cannot be written to, or a ValueError that names the field."""
     array = np.array(values, order="C")
     if array.ndim != 2 or array.size == 0:
         raise ValueError(f"{name} must be a two-dimensional array with at least one cell, got shape {array.shape}")
     if array.dtype != np.bool_:
         raise ValueError(f"{name} must be boolean, got {array.dtype}; compare with a threshold first")
-    return array
+    return sealed(array)
 
 
 def _finite(values: ArrayLike, name: str) -> Array:

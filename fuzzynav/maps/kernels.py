@@ -17,7 +17,17 @@ Mask = NDArray[np.bool_]
 Cells = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
 
+Record = NDArray[np.void]
+
 EDGE = 1e-9  # [cells] two things nearer than this touch
+FRAME = np.dtype((np.record, [("resolution", "f8"), ("x", "f8"), ("y", "f8")]))
+
+
+def framed(resolution: float, origin: tuple[float, float]) -> Record:
+    """Where cells lie in the world: side [m] and lower left corner [m], as the one read-only record kernels take."""
+    frame = np.array([(resolution, *origin)], dtype=FRAME)
+    frame.setflags(write=False)
+    return frame
 
 
 @njit(cache=True)
@@ -42,7 +52,7 @@ def _columns(occupied: Mask, border: bool) -> Cells:
 
 
 @njit(cache=True)
-def _distance(occupied: Mask, border: bool) -> Array:
+def distance_field(occupied: Mask, border: bool) -> Array:
     """Distance [cells] from each cell centre to the nearest occupied square; inf where there is none.
 
     The nearest point of a square, seen from a centre, lies on the half-cell lattice: the lower envelope of the
@@ -86,11 +96,17 @@ def _distance(occupied: Mask, border: bool) -> Array:
 
 
 @njit(cache=True)
-def _ray(occupied: Mask, skip: Bytes, x: float, y: float, dx: float, dy: float, reach: float, border: bool) -> float:
+def ray_length(
+    occupied: Mask, skip: Bytes, x: float, y: float, dx: float, dy: float, reach: float, border: bool
+) -> float:
     """Length [cells] of the ray from (x, y) along the unit vector (dx, dy) to the first occupied square.
 
     `skip`, if it has a size, lets the ray jump over empty ground: the distance field [cells], rounded down and at most
-    255, in bytes, so that a large map stays in the cache. Without it the ray walks cell by cell.
+    255, in bytes, so that a large map stays in the cache. Without it the ray walks cell by cell. A ray that runs along
+    the line between two rows or columns belongs to the upper or right one.
+
+    The walk ends: a jump takes the ray on by more than a cell and never to a cell behind it, any other step takes it
+    to the next column or row, so that it has left the map after at most 2 (rows + columns) + 2 of both.
     """
     rows, cols = occupied.shape
     i, j = int(np.floor(x)), int(np.floor(y))
@@ -104,26 +120,30 @@ def _ray(occupied: Mask, skip: Bytes, x: float, y: float, dx: float, dy: float, 
     inv_x = 1.0 / dx if dx != 0.0 else 1e300
     inv_y = 1.0 / dy if dy != 0.0 else 1e300
     t = 0.0
-    while True:
+    for _ in range(2 * (rows + cols) + 2):
         if jump and skip[j, i] >= 2:
             t += skip[j, i] - 0.72  # a point of the cell is at most 0.7072 from the centre
-            if t >= reach:
+            px, py = x + t * dx, y + t * dy
+            if t >= reach or not (0.0 <= px < cols and 0.0 <= py < rows):
                 return reach
-            i = min(max(int(x + t * dx), 0), cols - 1)
-            j = min(max(int(y + t * dy), 0), rows - 1)
+            u, v = int(px), int(py)
+            i = max(i, u) if step_x > 0 else min(i, u)
+            j = max(j, v) if step_y > 0 else min(j, v)
             continue
         tx = (i + face_x) * inv_x if dx != 0.0 else np.inf
         ty = (j + face_y) * inv_y if dy != 0.0 else np.inf
         if tx < ty - EDGE:
-            t = tx
+            t = max(t, tx)
             i += step_x
         elif ty < tx - EDGE:
-            t = ty
+            t = max(t, ty)
             j += step_y
         else:  # through a corner: either side cell stops the ray
-            t = min(tx, ty)
+            t = max(t, min(tx, ty))
             i, j = i + step_x, j + step_y
-            if t < reach and 0 <= i < cols and 0 <= j < rows and (occupied[j - step_y, i] or occupied[j, i - step_x]):
+            if t < reach and (
+                (0 <= i < cols and occupied[j - step_y, i]) or (0 <= j < rows and occupied[j, i - step_x])
+            ):
                 return t
         if t >= reach:
             return reach
@@ -131,27 +151,21 @@ def _ray(occupied: Mask, skip: Bytes, x: float, y: float, dx: float, dy: float, 
             return t if border else reach
         if occupied[j, i]:
             return t
+    return reach
 
 
 @njit(cache=True)
-def _cast(
-    occupied: Mask,
-    skip: Bytes,
-    resolution: float,
-    origin_x: float,
-    origin_y: float,
-    poses: Array,
-    angles: Array,
-    range_max: float,
-    border: bool,
+def cast_rays(
+    occupied: Mask, skip: Bytes, frame: Record, poses: Array, angles: Array, range_max: float, border: bool
 ) -> Array:
-    """Ranges [m] `(m, n)` of the beams `angles` [rad, body frame] from `poses` `(m, 3)`."""
+    """Ranges [m] `(m, n)` of the beams `angles` [rad, body frame] from `poses` `(m, 3)`; `frame` as from `framed`."""
     out = np.empty((poses.shape[0], angles.shape[0]))
+    resolution = frame[0].resolution
     for m in range(poses.shape[0]):
-        x, y = (poses[m, 0] - origin_x) / resolution, (poses[m, 1] - origin_y) / resolution
+        x, y = (poses[m, 0] - frame[0].x) / resolution, (poses[m, 1] - frame[0].y) / resolution
         for n in range(angles.shape[0]):
             heading = poses[m, 2] + angles[n]
-            length = _ray(occupied, skip, x, y, np.cos(heading), np.sin(heading), range_max / resolution, border)
+            length = ray_length(occupied, skip, x, y, np.cos(heading), np.sin(heading), range_max / resolution, border)
             out[m, n] = min(length * resolution, range_max)
     return out
 
@@ -202,7 +216,7 @@ def _span(ax: float, ay: float, bx: float, by: float, i: int, margin: float) -> 
 
 
 @njit(cache=True)
-def _clear(occupied: Mask, ax: float, ay: float, bx: float, by: float, radius: float, touching: bool) -> bool:
+def disc_passes(occupied: Mask, ax: float, ay: float, bx: float, by: float, radius: float, touching: bool) -> bool:
     """Whether a disc of `radius` [cells] moves along a-b without meeting an occupied square or leaving the map.
 
     `touching` (for radius 0) says whether contact with an edge or corner counts as meeting.
@@ -223,7 +237,7 @@ def _clear(occupied: Mask, ax: float, ay: float, bx: float, by: float, radius: f
 
 
 @njit(cache=True)
-def _crossed(ax: float, ay: float, bx: float, by: float, margin: float) -> Cells:
+def crossed_cells(ax: float, ay: float, bx: float, by: float, margin: float) -> Cells:
     """Cells `(n, 2)` x, y whose squares, grown by `margin`, meet the segment a-b."""
     cells = [(0, 0)]
     cells.pop()
@@ -239,10 +253,10 @@ def _crossed(ax: float, ay: float, bx: float, by: float, margin: float) -> Cells
 
 
 @njit(cache=True)
-def _nearest(occupied: Mask, field: Array, x: float, y: float, border: bool) -> float:
+def distance_at(occupied: Mask, field: Array, x: float, y: float, border: bool) -> float:
     """Distance [cells] from any point (x, y) to the nearest occupied square; 0 inside one.
 
-    `field` is `_distance` with the same `border`. The answer lies within the distance of the point from its cell's
+    `field` is `distance_field` with the same `border`. The answer lies within the distance of the point from its cell's
     centre of the field there, so that a ring of squares is enough.
     """
     rows, cols = occupied.shape
@@ -267,20 +281,23 @@ def _nearest(occupied: Mask, field: Array, x: float, y: float, border: bool) -> 
 
 
 @njit(cache=True)
-def _nearest_all(occupied: Mask, field: Array, points: Array, border: bool) -> Array:
-    """`_nearest` for points `(n, 2)`."""
+def distances_at(occupied: Mask, field: Array, points: Array, border: bool) -> Array:
+    """`distance_at` for points `(n, 2)`."""
     out = np.empty(points.shape[0])
     for n in range(points.shape[0]):
-        out[n] = _nearest(occupied, field, points[n, 0], points[n, 1], border)
+        out[n] = distance_at(occupied, field, points[n, 0], points[n, 1], border)
     return out
 
 
 def _warm() -> None:
-    """Compile every kernel with the types that GridMap hands over."""
+    """Compile every kernel with the types that GridMap hands over: its arrays are read-only."""
     occupied = np.eye(3, dtype=np.bool_)
-    field = _distance(occupied, True)
-    for known in (field.astype(np.uint8), np.empty((0, 0), dtype=np.uint8)):
-        _cast(occupied, known, 1.0, 0.0, 0.0, np.array([[0.5, 1.5, 0.0]]), np.zeros(1), 5.0, True)
-    _clear(occupied, 0.5, 0.5, 1.5, 2.5, 0.1, True)
-    _crossed(0.5, 0.5, 1.5, 2.5, EDGE)
-    _nearest_all(occupied, field, np.array([[0.5, 1.5]]), True)
+    occupied.setflags(write=False)
+    field = distance_field(occupied, True)
+    skip = field.astype(np.uint8)
+    for shared in (field, skip):
+        shared.setflags(write=False)
+    cast_rays(occupied, skip, framed(1.0, (0.0, 0.0)), np.array([[0.5, 1.5, 0.0]]), np.zeros(1), 5.0, True)
+    disc_passes(occupied, 0.5, 0.5, 1.5, 2.5, 0.1, True)
+    crossed_cells(0.5, 0.5, 1.5, 2.5, EDGE)
+    distances_at(occupied, field, np.array([[0.5, 1.5]]), True)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from fuzzynav.geometry import Array
+from fuzzynav.geometry import Array, read_only
 from fuzzynav.maps.gridmap import GridMap
 
 __all__ = ["Places", "name_places", "outline", "places"]
@@ -22,6 +22,7 @@ class Places:
 
     `labels` (rows, cols) numbers the cells from 1, 0 where occupied or not reached; `centers` `(n, 2)` [m] lie in the
     widest part of each place; `passages` `(m, 2)` are pairs of places counted from 0, at the points `doors` `(m, 2)`.
+    The arrays are read-only.
     """
 
     labels: NDArray[np.int64]
@@ -29,6 +30,12 @@ class Places:
     areas: Array  # (n,) [m^2]
     passages: NDArray[np.int64]
     doors: Array
+
+    def __post_init__(self) -> None:
+        for name in ("labels", "passages"):
+            object.__setattr__(self, name, read_only(getattr(self, name), np.int64))
+        for name in ("centers", "areas", "doors"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
 
 def outline(grid: GridMap) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import textwrap
 from collections.abc import Callable, Iterable
 
 import numpy as np
@@ -13,12 +14,12 @@ from PIL import Image
 
 from fuzzynav.plot.base import DPI, style
 
-__all__ = ["Blit", "Setup", "Update"]
+__all__ = ["Blit", "Lab", "Update", "captioned", "paler"]
 
 # what a lab calls at each change: values by name in, changed artists (None: all) and a line of text out
 Update = Callable[..., tuple[Iterable[Artist] | None, str]]
-# what a lab calls once: it draws on the figure what stays
-Setup = Callable[[Figure], Update]
+# a lab: drawn on the figure once what stays, from what it is given; what it hands back is called at each change
+Lab = Callable[..., Update]
 
 
 class Blit:
@@ -85,6 +86,26 @@ def _frames(artists: Iterable[Artist]) -> list[Artist]:
         legend = ax.get_legend()
         frames += [] if legend is None else [legend]
     return frames
+
+
+def captioned(png: bytes, text: str) -> bytes:
+    """A picture with a line of text under it, for readers who have only the picture."""
+    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB"))
+    strip = Figure(figsize=(picture.shape[1] / DPI, 0.4), dpi=DPI)
+    canvas = FigureCanvasAgg(strip)
+    lines = textwrap.fill(text, max(20, picture.shape[1] // 7))
+    strip.set_figheight(0.12 + 0.19 * (lines.count("\n") + 1))
+    strip.text(0.01, 0.5, lines.replace("$", r"\$"), va="center", fontsize=9)
+    canvas.draw()
+    under = np.asarray(canvas.buffer_rgba())[..., :3]
+    wide = min(under.shape[1], picture.shape[1])
+    return encode(np.concatenate([picture[:, :wide], under[:, :wide]]), 9)
+
+
+def paler(png: bytes) -> bytes:
+    """The picture as one that no longer counts: faded."""
+    picture = np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(float)
+    return encode((255.0 - 0.35 * (255.0 - picture)).astype(np.uint8), 1)
 
 
 def encode(rgba: np.ndarray, level: int) -> bytes:

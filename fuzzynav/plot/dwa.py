@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -16,62 +14,27 @@ from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from numpy.typing import ArrayLike
-from PIL import Image
 
 from fuzzynav import dwa
 from fuzzynav.batch import proportion
+from fuzzynav.control import Observation
 from fuzzynav.dwa.decision import Params, Plan
 from fuzzynav.geometry import Array
-from fuzzynav.plot.base import COLORS, draw_discs, draw_goal, draw_grid, draw_path, draw_robot, metric_axes
-from fuzzynav.robot.model import Robot
+from fuzzynav.plot.base import COLORS, draw_robot, metric_axes
+from fuzzynav.robot import Robot
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import Observation, World
 
 __all__ = [
     "ArcMark",
     "WindowMark",
     "arc_mark",
     "draw_candidates",
-    "draw_run",
-    "draw_run_speeds",
     "draw_run_weights",
     "draw_success",
     "draw_velocity_sets",
     "draw_window",
-    "draw_world",
-    "save_gif",
     "window_mark",
 ]
-
-
-def draw_world(ax: Axes, world: World) -> list[Artist]:
-    """Everything that stands in a world, to scale; what no map shows is hatched."""
-    made: list[Artist] = []
-    if world.grid is not None:
-        made.append(draw_grid(ax, world.grid))
-    if len(world.discs):
-        made.append(draw_discs(ax, world.discs))
-    if len(world.unknown_discs):
-        hidden = draw_discs(ax, world.unknown_discs, role="unknown")
-        hidden.set_hatch("///")
-        made.append(hidden)
-    for rows, role in ((world.rectangles, "obstacle"), (world.unknown_rectangles, "unknown")):
-        for x, y, width, height, theta in rows:
-            patch = Rectangle(
-                (x - width / 2, y - height / 2),
-                width,
-                height,
-                angle=np.degrees(theta),
-                rotation_point="center",
-                facecolor=COLORS[role],
-                edgecolor="black",
-                linewidth=0.6,
-                hatch="///" if role == "unknown" else None,
-                zorder=2,
-            )
-            made.append(ax.add_patch(patch))
-    metric_axes(ax, world.bounds)
-    return made
 
 
 # --- the window -----------------------------------------------------------------------------------
@@ -232,32 +195,6 @@ def draw_candidates(ax: Axes, observation: Observation, plan: Plan, robot: Robot
 # --- runs -----------------------------------------------------------------------------------------
 
 
-def draw_run(ax: Axes, world: World, run: Run, *, role: str = "path", label: str = "", title: str = "") -> Line2D:
-    """A driven path in its world with start, end and goal."""
-    draw_world(ax, world)
-    line = draw_path(ax, run.poses, role=role, label=label)
-    draw_robot(ax, run.poses[-1], run.radius)
-    ax.plot(*run.poses[0, :2], "s", color=COLORS["robot"], zorder=5)
-    draw_goal(ax, run.goal)
-    if title:
-        ax.set_title(title)
-    return line
-
-
-def draw_run_speeds(axes: Sequence[Axes], run: Run, *, title: str = "") -> list[Line2D]:
-    """v and omega over time, on two axes."""
-    lines = []
-    names = ((0, "$v$ [m/s]", "robot"), (1, r"$\omega$ [rad/s]", "path"))
-    for ax, (k, label, role) in zip(axes, names, strict=True):
-        (line,) = ax.plot(run.t[:-1], run.commands[:, k], color=COLORS[role], linestyle="-", linewidth=1.2)
-        ax.set(ylabel=label, xlim=(0.0, max(run.duration, 1e-9)))
-        lines.append(line)
-    axes[-1].set_xlabel("t [s]")
-    if title:
-        axes[0].set_title(title)
-    return lines
-
-
 def draw_run_weights(ax: Axes, run: Run, *, title: str = "") -> list[Line2D]:
     """The three weights over time; a grey floor where no rule fired."""
     styles = (
@@ -315,22 +252,3 @@ def draw_success(ax: Axes, table: pd.DataFrame, labels: Sequence[str] | None = N
     ax.set(xlabel="share of maps on which the goal was reached", xlim=(0.0, 1.0))
     ax.legend(loc="lower right")
     return made
-
-
-def save_gif(run: Run, world: World, path: str | Path, *, every: int = 5, dpi: int = 60) -> Path:
-    """Write a run as an animated GIF, one picture for every n-th step; the moving parts are drawn anew each time."""
-    from fuzzynav.plot.blit import Blit
-    from fuzzynav.plot.labs.dwa import run_player
-
-    if every < 1:
-        raise ValueError(f"every must be at least 1, got {every}")
-    blit = Blit((5.0, 5.0), dpi=dpi)
-    update = run_player(run, world)(blit.figure)
-    frames = []
-    for k, _, _ in run.frames(every):
-        artists, _ = update(frame=k)
-        frames.append(Image.open(io.BytesIO(blit.png(artists))).convert("P"))
-    target = Path(path)
-    pause = max(int(1000 * run.dt * every), 20)
-    frames[0].save(target, save_all=True, append_images=frames[1:], duration=pause, loop=0)
-    return target

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram
-from fuzzynav.robot.model import Robot, rims_from_turn
-from fuzzynav.sensors import cameras
-from fuzzynav.sensors.scene import SPEED_OF_SOUND, Scan, wheel_angle
+from fuzzynav.robot import Robot, rims_from_turn
+from fuzzynav.sensors import SPEED_OF_SOUND, Scan, cameras, wheel_angle
 
 __all__ = [
     "draw_beams",

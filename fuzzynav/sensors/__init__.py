@@ -1,34 +1,35 @@
 """What a robot senses: encoders, sonar, laser and cameras (chapter 01)."""
 
 from fuzzynav.sensors import cameras
-from fuzzynav.sensors.scene import (
-    SPEED_OF_LIGHT,
-    SPEED_OF_LIGHT_AS_PRINTED,
-    SPEED_OF_SOUND,
+from fuzzynav.sensors.encoders import (
+    EXACT,
     Encoders,
-    Laser,
-    Scan,
-    Sonar,
-    cast_scene,
+    Odometry,
     dead_reckon,
     encoder_counts,
+    odometry,
+    wheel_angle,
+    wheel_travel,
+)
+from fuzzynav.sensors.laser import (
+    SPEED_OF_LIGHT,
+    SPEED_OF_LIGHT_AS_PRINTED,
+    Laser,
+    Scan,
     laser_faults,
     laser_ideal,
     laser_range,
     laser_scan,
-    odometry,
     polar_to_points,
-    sonar_cone,
-    sonar_ideal,
-    sonar_range,
-    sonar_reading,
-    wheel_angle,
-    wheel_travel,
 )
+from fuzzynav.sensors.scene import cast_scene
+from fuzzynav.sensors.sonar import SPEED_OF_SOUND, Sonar, sonar_cone, sonar_ideal, sonar_range, sonar_reading
 
 __all__ = [
+    "EXACT",
     "Encoders",
     "Laser",
+    "Odometry",
     "SPEED_OF_LIGHT",
     "SPEED_OF_LIGHT_AS_PRINTED",
     "SPEED_OF_SOUND",

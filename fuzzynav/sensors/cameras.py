@@ -17,7 +17,7 @@ from fuzzynav.sensors.scene import cast_scene
 
 if TYPE_CHECKING:
     from fuzzynav.maps.gridmap import GridMap
-    from fuzzynav.world.world import World
+    from fuzzynav.world import World
 
 __all__ = [
     "KINECT",

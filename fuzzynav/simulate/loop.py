@@ -2,91 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav import checks
+from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot.model import Robot, limit, motor_lag, move
-from fuzzynav.simulate.record import STATUSES, Run
-from fuzzynav.world.world import Observation, World, movers_start, movers_step
+from fuzzynav.robot import Robot, body_speeds, kernels, limit, move
+from fuzzynav.sensors import EXACT, Laser, Odometry, laser_scan
+from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
+from fuzzynav.simulate.record import Run
+from fuzzynav.world import World, movers_start, movers_step
 
-__all__ = ["IDEAL", "STATUSES", "Controller", "Loop", "Playback", "Run", "Sensing", "run", "stands_free"]
+__all__ = ["IDEAL_LASER", "Loop", "Playback", "run", "stands_free"]
 
 STILL = 1e-9  # [m/s] slower than this is standing
-
-
-class Controller(Protocol):
-    """What drives a robot: called once every step, reset before every run.
-
-    Two attributes are optional: `evidence`, a dict of numbers that the last call wants to have recorded, and
-    `status`, a named reason to end the run (None while there is none).
-    """
-
-    def __call__(self, observation: Observation) -> ArrayLike:
-        """Command (v [m/s], omega [rad/s]) for the next step."""
-        ...
-
-    def reset(self) -> None:
-        """Forget the run before."""
-        ...
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sensing:
-    """What a controller may know: one scan of limited range and the odometry, ideal unless noise is given.
-
-    A beam that meets nothing reads inf. Raises ValueError for a range that is not positive or a
-    negative noise.
-    """
-
-    beams: int = 360
-    field_of_view: float = 2.0 * np.pi  # [rad] centred on the heading
-    range_max: float = 10.0  # [m]
-    range_noise: float = 0.0  # [m] standard deviation of one range
-    dropout: float = 0.0  # share of beams that read nan
-    speed_noise: tuple[float, float] = (0.0, 0.0)  # standard deviation of measured v and omega, as a share of them
-    speed_bias: tuple[float, float] = (0.0, 0.0)  # constant share by which odometry misjudges v and omega
-    velocities: bool = False  # an ideal tracker gives every point the velocity of what it lies on
-
-    def __post_init__(self) -> None:
-        if self.beams < 0 or not self.range_max > 0:
-            raise ValueError(f"beams must be 0 or more and range_max positive, got {self.beams} and {self.range_max}")
-        if not 0 < self.field_of_view <= 2.0 * np.pi + 1e-12:
-            raise ValueError(f"field_of_view must lie in (0, 2 pi], got {self.field_of_view}")
-        if self.range_noise < 0 or min(self.speed_noise) < 0 or not 0 <= self.dropout < 1:
-            raise ValueError("noise must not be negative, and dropout must lie in [0, 1)")
-
-    @property
-    def angles(self) -> Array:
-        """Beam angles `(beams,)` [rad] in the body frame; a full circle does not repeat its first beam."""
-        full = self.field_of_view > 2.0 * np.pi - 1e-9
-        return np.linspace(-0.5, 0.5, self.beams, endpoint=not full) * self.field_of_view
-
-
-IDEAL = Sensing()
+FAR = 1e6  # [m] a robot that gets there has left every bound
+IDEAL_LASER = Laser(beams=360, field_of_view=2.0 * np.pi, range_min=0.0, range_max=10.0, noise=0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Loop:
-    """How a run is driven and when it ends; times in seconds, lengths in metres."""
+    """How a run is driven and when it ends; times in seconds, lengths in metres. inf switches an ending off."""
 
     goal_tolerance: float = 0.5
     stall_time: float = 15.0  # stalled: in this time the robot went less than stall_distance away
     stall_distance: float = 0.05
     stall_angle: float = 0.2  # [rad] and turned by less than this
-    motor_lag: float = 0.0  # time constant of the motors behind the limited command; 0: the command is the speed
     stop_at_contact: bool = True
     heading: float | None = None  # [rad] at the start; None: towards the goal, where start has no heading
+    velocity: tuple[float, float] = (0.0, 0.0)  # v [m/s], omega [rad/s] at the start
+    by_euler: bool = False  # integrate as the thesis does, not along exact arcs
 
     def __post_init__(self) -> None:
-        if not (self.goal_tolerance > 0 and self.stall_time > 0 and self.stall_distance >= 0 and self.motor_lag >= 0):
+        if not (self.goal_tolerance > 0 and self.stall_time > 0 and self.stall_distance >= 0):
             raise ValueError(f"tolerance and times must be positive, got {self}")
+        checks.finite(self.velocity, "Loop.velocity (v, omega)", 2)
 
 
-class Playback:
+class Playback(Controller):
     """A controller that gives the commands of a recorded run once more."""
 
     def __init__(self, recorded: Run) -> None:
@@ -108,36 +66,46 @@ def run(
     robot: Robot,
     controller: Controller,
     start: ArrayLike,
-    goal: ArrayLike,
+    goal: ArrayLike | None = None,
     *,
     dt: float = 0.1,
     t_max: float = 120.0,
     rng: np.random.Generator | int | None = None,
-    sensors: Sensing = IDEAL,
+    laser: Laser | None = IDEAL_LASER,
+    odometry: Odometry = EXACT,
+    track_movers: bool = False,
+    disturbance: Disturbance = UNDISTURBED,
     loop: Loop | None = None,
 ) -> Run:
     """Drive `robot` from `start` (x, y[, theta]) until the goal, a contact, standing still, or t_max [s].
 
-    The same arguments and seed give the same run, bit for bit; rng None is seed 0. Raises ValueError for times that
-    are not positive, a start that touches something, or a goal that lies outside the world or inside an obstacle.
+    laser None: nothing is scanned. track_movers: an ideal tracker tells the velocity of every point. goal None: the
+    controller's status or t_max ends the run. The same arguments and seed give the same run, bit for bit; rng None is
+    seed 0. Raises ValueError for times that are not positive, a start that touches something, a goal that lies
+    outside the world or inside an obstacle, or an object that is no controller.
     """
     loop = loop or Loop()
     first, target = _checked(world, robot, start, goal, loop)
+    lacking = [name for name in ("reset", "status", "evidence") if not hasattr(controller, name)]
+    if lacking or not callable(controller):
+        raise ValueError(f"a controller is callable and has reset(), status and evidence; lacking: {lacking}")
     if not (dt > 0 and t_max >= dt and np.isfinite(t_max)):
         raise ValueError(f"dt must be positive and t_max at least one step, got dt {dt} and t_max {t_max}")
-    state = _State(world, robot, first, target, sensors, np.random.default_rng(0 if rng is None else rng))
-    controller.reset()
+    senses = _Senses(world, laser, odometry, track_movers)
+    state = _State(robot, first, target, senses, np.random.default_rng(0 if rng is None else rng))
     steps = int(np.floor(t_max / dt + 1e-9))
-    status = "reached" if state.distance <= loop.goal_tolerance else ""
+    state.disturb(disturbance, loop, steps, dt)
+    controller.reset()
+    status = "reached" if state.way <= loop.goal_tolerance else ""
     for k in range(steps):
         if status:
             break
-        wish = np.asarray(controller(state.observe(k * dt)), dtype=float)
+        wish = np.array(controller(state.observe(k * dt)), dtype=float)
         if wish.shape != (2,) or not np.isfinite(wish).all():
             raise ValueError(f"the controller returned {wish.tolist()} at {k * dt:.1f} s: give finite (v, omega)")
-        state.advance(wish, k * dt, dt, loop)
-        state.keep(getattr(controller, "evidence", {}), wish)
-        status = _ending(state, controller, loop, dt)
+        state.advance(wish, k, dt, loop.by_euler)
+        state.keep(controller.evidence, wish)
+        status = _ending(state, controller.status, loop, dt)
     return state.run(status or "timeout", dt)
 
 
@@ -146,30 +114,40 @@ def stands_free(world: World, robot: Robot, point: ArrayLike) -> bool:
     return bool(world.clearance(np.asarray(point, dtype=float)[:2]) > robot.radius)
 
 
-def _checked(world: World, robot: Robot, start: ArrayLike, goal: ArrayLike, loop: Loop) -> tuple[Array, Array]:
-    """Start pose and goal point, or one clear error."""
-    a, b = np.asarray(start, dtype=float).ravel(), np.asarray(goal, dtype=float).ravel()
-    if a.size not in (2, 3) or b.size not in (2, 3) or not (np.isfinite(a).all() and np.isfinite(b).all()):
+def _checked(world: World, robot: Robot, start: ArrayLike, goal: ArrayLike | None, loop: Loop) -> tuple[Array, Array]:
+    """Start pose and goal point (nan without a goal), or one clear error."""
+    a = np.asarray(start, dtype=float).ravel()
+    b = np.full(2, np.nan) if goal is None else np.asarray(goal, dtype=float).ravel()
+    finite = np.isfinite(a).all() and (goal is None or np.isfinite(b).all())
+    if a.size not in (2, 3) or b.size not in (2, 3) or not finite:
         raise ValueError(f"start and goal must be finite (x, y) or (x, y, theta), got {a.tolist()} and {b.tolist()}")
     if not stands_free(world, robot, a):
         raise ValueError(f"the robot cannot start at ({a[0]:g}, {a[1]:g}): it would touch an obstacle or a mover")
-    if not world.clearance(b[:2], []) > 0:
+    if goal is not None and not world.clearance(b[:2], []) > 0:
         raise ValueError(f"the goal ({b[0]:g}, {b[1]:g}) lies inside an obstacle or outside the world")
-    towards = loop.heading if loop.heading is not None else float(np.arctan2(b[1] - a[1], b[0] - a[0]))
+    towards = loop.heading if loop.heading is not None else float(np.nan_to_num(np.arctan2(b[1] - a[1], b[0] - a[0])))
     return (a if a.size == 3 else np.append(a, towards)), b[:2]
+
+
+@dataclass(frozen=True, slots=True)
+class _Senses:
+    """The world, and what of it an experiment grants the controller."""
+
+    world: World
+    laser: Laser | None
+    odometry: Odometry
+    track_movers: bool
 
 
 class _State:
     """The truth of one run while it is made, and its record."""
 
-    def __init__(
-        self, world: World, robot: Robot, start: Array, goal: Array, sensors: Sensing, rng: np.random.Generator
-    ) -> None:
-        self.world, self.robot, self.goal, self.sensors = world, robot, goal, sensors
+    def __init__(self, robot: Robot, start: Array, goal: Array, senses: _Senses, rng: np.random.Generator) -> None:
+        self.robot, self.goal, self.senses, self.world = robot, goal, senses, senses.world
+        self.root = rng
         self.traffic_rng, self.rng = rng.spawn(2)  # noise must not change how the movers walk
         self.pose, self.believed = start.copy(), start.copy()
-        self.velocity = self.measured = self.command = np.zeros(2)
-        self.traffic = movers_start(world, self.traffic_rng)
+        self.traffic = movers_start(self.world, self.traffic_rng)
         self.movers = self.traffic.positions
         self.poses: list[Array] = [self.pose]
         self.commands: list[Array] = []
@@ -178,54 +156,52 @@ class _State:
         self.touching = False
         self.contacts = [0, 0]  # begun while driving, begun while standing
 
+    def disturb(self, disturbance: Disturbance, loop: Loop, steps: int, dt: float) -> None:
+        """Draw what disturbs the run, and set the wheels turning as they turn at the start."""
+        self.plant = disturbance.plant(self.robot)[0]
+        self.late = round(disturbance.delay / dt)
+        self.noise, self.slip = np.zeros((steps, 3)), np.zeros((steps, 2))
+        if disturbance != UNDISTURBED:
+            self.noise, self.slip = disturbance.draws(steps, dt, self.root)
+            self.track["driven"] = []
+        self.first = np.array(loop.velocity, dtype=float)
+        self.command, self.velocity, self.measured = self.first, self.first.copy(), self.first.copy()
+        half = 0.5 * self.first[1] * self.robot.track
+        self.wheels = (self.first[0] + np.array([half, -half])) / self.robot.wheel_radius
+
     @property
-    def distance(self) -> float:
-        """Way [m] to the goal."""
+    def way(self) -> float:
+        """Way [m] to the goal; nan without one."""
         return float(np.hypot(*(self.goal - self.pose[:2])))
 
     def observe(self, time: float) -> Observation:
         """What the sensors grant."""
-        s = self.sensors
-        angles = s.angles
-        ranges, owners = self.world.cast_labelled(self.pose, angles, s.range_max, self.movers)
-        hit = ranges < s.range_max
-        if s.range_noise > 0:
-            ranges = np.maximum(ranges + s.range_noise * self.rng.standard_normal(ranges.size), 0.0)
-        ranges = np.where(hit, ranges, np.inf)
-        if s.dropout > 0:
-            ranges[self.rng.random(ranges.size) < s.dropout] = np.nan
-        seen = np.isfinite(ranges)
-        speeds = None
-        if s.velocities:
-            speeds = np.vstack([self.traffic.velocities, np.zeros(2)])[owners[seen]]  # -1: what stands
-        return Observation(
-            time=time,
-            pose=self.believed.copy(),
-            velocity=self.measured.copy(),
-            points=_ends(self.believed, angles[seen], ranges[seen]),
-            point_velocities=speeds,
-            goal=self.goal.copy(),
-            ranges=ranges,
-            angles=angles,
-            range_max=s.range_max,
-        )
+        laser, pose = self.senses.laser, self.believed + self.noise[len(self.commands)]
+        told: dict[str, Any] = {"points": np.empty((0, 2))}
+        if laser is not None:
+            scan = laser_scan(self.world, self.pose, laser, self.rng, self.movers)
+            told = {"points": scan.world_points(pose), "ranges": scan.ranges, "angles": scan.angles}
+            told["range_max"] = laser.range_max
+            if self.senses.track_movers:
+                _, owners = self.world.cast_labelled(self.pose, scan.angles, laser.range_max, self.movers)
+                speeds = np.vstack([self.traffic.velocities, np.zeros(2)])  # -1: what stands
+                told["point_velocities"] = speeds[owners[scan.hits]]
+        return Observation(time=time, pose=pose, velocity=self.measured.copy(), goal=self.goal.copy(), **told)
 
-    def advance(self, wish: Array, time: float, dt: float, loop: Loop) -> None:
-        """One step of truth: motors, robot, movers, contact, odometry."""
-        driven = limit(wish, self.command, self.robot, dt)
-        before, self.command = self.velocity, driven
-        self.velocity = driven
-        if loop.motor_lag > 0:
-            tau = loop.motor_lag
-            self.velocity = motor_lag(before, driven, tau, dt)
-            driven = driven + (before - driven) * (tau / dt) * (1.0 - np.exp(-dt / tau))  # mean over the step
-        start, old = self.pose, self.movers
-        self.pose = move(start, driven, dt)
+    def advance(self, wish: Array, k: int, dt: float, by_euler: bool) -> None:
+        """Step k of truth: limits, delay, motors, robot, movers, contact, odometry."""
+        self.command = limit(wish, self.command, self.robot, dt)
+        self.commands.append(self.command)
+        acting = self.commands[k - self.late] if k >= self.late else self.first
+        start, old, driven = self.pose, self.movers, np.empty(2)
+        self.pose = start.copy()
+        kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, by_euler, driven)
+        self.driven = driven
+        self.velocity = body_speeds(self.wheels, self.robot) if "driven" in self.track else acting
         self.traffic = movers_step(self.traffic, dt, self.pose, self.traffic_rng)
         self.movers = self.traffic.positions
         self.clearances.append(self._least_clearance(start, driven, dt, old))
         self._count_contact(abs(driven[0]) > STILL)
-        self.commands.append(driven)
         self.poses.append(self.pose)
         self._odometry(driven, dt)
 
@@ -255,19 +231,19 @@ class _State:
 
     def _odometry(self, driven: Array, dt: float) -> None:
         """Believed speed and pose: exact, or misjudged by bias and noise."""
-        s = self.sensors
-        if not (any(s.speed_noise) or any(s.speed_bias)):
+        if self.senses.odometry == EXACT:
             self.measured, self.believed = self.velocity, self.pose
             return
-        factor = 1.0 + np.array(s.speed_bias) + np.array(s.speed_noise) * self.rng.standard_normal(2)
-        self.measured = self.velocity * factor
-        self.believed = move(self.believed, driven * factor, dt)
+        factors = self.senses.odometry.factors(self.rng)
+        self.measured, self.believed = self.velocity * factors, move(self.believed, driven * factors, dt)
 
-    def keep(self, evidence: dict[str, Any], wish: Array) -> None:
+    def keep(self, evidence: Mapping[str, Any], wish: Array) -> None:
         """Record what the step left."""
         self.track["wish"].append(wish)
         self.track["believed"].append(self.believed)
         self.track["movers"].append(self.movers)
+        if "driven" in self.track:
+            self.track["driven"].append(self.driven)
         for name, value in evidence.items():
             self.track.setdefault(name, []).append(value)
 
@@ -288,25 +264,21 @@ class _State:
         )
 
 
-def _ends(pose: Array, angles: Array, ranges: Array) -> Array:
-    """Ends `(n, 2)` [m] of beams seen from a pose."""
-    bearing = pose[2] + angles
-    return np.stack([pose[0] + ranges * np.cos(bearing), pose[1] + ranges * np.sin(bearing)], axis=-1)
-
-
-def _ending(state: _State, controller: Controller, loop: Loop, dt: float) -> str:
-    """The status that ends the run now, or ''."""
+def _ending(state: _State, named: str | None, loop: Loop, dt: float) -> str:
+    """The status that ends the run now, or ''; `named` is what the controller says."""
     if state.contacts[0] and loop.stop_at_contact:
         return "collided"
-    if state.distance <= loop.goal_tolerance:
+    if state.way <= loop.goal_tolerance:
         return "reached"
-    named = getattr(controller, "status", None)
     if named:
         return str(named)
-    back = int(np.ceil(loop.stall_time / dt - 1e-9))
-    if len(state.poses) > back:
-        gone = np.array(state.poses[-back - 1 :]) - state.poses[-back - 1]
-        turned = np.abs(wrap(gone[:, 2])).max()
-        if np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle:
-            return "stalled"
+    if not np.abs(state.pose).max() < FAR:
+        return "diverged"
+    if np.isfinite(loop.stall_time):
+        back = int(np.ceil(loop.stall_time / dt - 1e-9))
+        if len(state.poses) > back:
+            gone = np.array(state.poses[-back - 1 :]) - state.poses[-back - 1]
+            turned = np.abs(wrap(gone[:, 2])).max()
+            if np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle:
+                return "stalled"
     return ""

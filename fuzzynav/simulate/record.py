@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, length, point_segment_distance, wrap
+from fuzzynav.robot import Robot, wheel_speeds
 
 __all__ = ["STATUSES", "Run"]
 
-STATUSES: tuple[str, ...] = ("reached", "collided", "stalled", "timeout", "no_path", "local_minimum")
+STATUSES: tuple[str, ...] = (
+    "reached",  # the goal
+    "done",  # the reference was followed to its end
+    "collided",  # the robot drove into something
+    "stalled",  # it stood or crept too long
+    "blind",  # its sensors told it too little to move
+    "timeout",
+    "no_path",
+    "local_minimum",
+    "diverged",  # the motion left every bound
+)
 MOVING = 0.05  # [m/s] slower than this a path has no curvature worth integrating
 
 
@@ -28,9 +39,9 @@ class Run:
 
     t: Array  # (n + 1,) [s]
     poses: Array  # (n + 1, 3) true poses
-    commands: Array  # (n, 2) speeds driven, v [m/s] and omega [rad/s]
+    commands: Array  # (n, 2) v [m/s] and omega [rad/s] sent to the wheels, after the limits
     clearance: Array  # (n,) [m]
-    log: Mapping[str, Array]  # wishes, believed poses, movers and what the controller gave as evidence
+    log: Mapping[str, Array]  # wishes, believed poses, movers, the reference and the controller's evidence
     status: str
     goal: Array = field(default_factory=lambda: np.full(2, np.nan))
     radius: float = 0.0  # [m] of the robot
@@ -62,9 +73,14 @@ class Run:
         return float(self.t[-1])
 
     @property
+    def driven(self) -> Array:
+        """Mean true speeds `(n, 2)` of each step: the commands, where nothing stood between."""
+        return self.log.get("driven", self.commands)
+
+    @property
     def length(self) -> float:
         """Length of the driven path [m]: the arcs themselves, not their chords."""
-        return float(np.abs(self.commands[:, 0]).sum() * self.dt) if len(self.commands) else 0.0
+        return float(np.abs(self.driven[:, 0]).sum() * self.dt) if len(self.commands) else 0.0
 
     @property
     def chord_length(self) -> float:
@@ -79,20 +95,20 @@ class Run:
     @property
     def smoothness(self) -> float:
         """Integral of the squared curvature [1/m] along the path; less is smoother."""
-        v, omega = np.abs(self.commands[:, 0]), self.commands[:, 1]
+        v, omega = np.abs(self.driven[:, 0]), self.driven[:, 1]
         fast = v > MOVING
         return float((omega[fast] ** 2 / v[fast]).sum() * self.dt) if fast.any() else 0.0
 
     @property
     def jerk(self) -> float:
         """Integral of the squared jerk of v [m^2/s^5]; less is gentler."""
-        v = self.commands[:, 0]
+        v = self.driven[:, 0]
         return float((np.diff(v, 2) ** 2).sum() / self.dt**3) if len(v) > 2 else 0.0
 
     @property
     def variation(self) -> Array:
         """Total variation `(2,)` of v [m/s] and of omega [rad/s]: the sum of all their changes."""
-        return np.abs(np.diff(self.commands, axis=0)).sum(axis=0)
+        return np.abs(np.diff(self.driven, axis=0)).sum(axis=0)
 
     @property
     def turns(self) -> int:
@@ -110,6 +126,53 @@ class Run:
             raise ValueError("a reference needs at least two points")
         gaps = point_segment_distance(self.poses[:, None, :2], line[None, :-1], line[None, 1:]).min(axis=1)
         return float(np.sqrt(np.mean(gaps**2)))
+
+    # --- against a reference -------------------------------------------------------------------
+
+    @property
+    def wanted(self) -> Array:
+        """Poses of the reference `(n + 1, 3)`; raises ValueError for a run that followed none."""
+        if "wanted" not in self.log:
+            raise ValueError("this run followed no reference: its log has no 'wanted'")
+        return self.log["wanted"]
+
+    @property
+    def errors(self) -> Array:
+        """Reference minus pose `(n + 1, 3)`: x [m], y [m], heading [rad] wrapped."""
+        gap = self.wanted - self.poses
+        return np.concatenate([gap[:, :2], wrap(gap[:, 2:])], axis=1)
+
+    @property
+    def distance(self) -> Array:
+        """Distance `(n + 1,)` [m] from the reference's position."""
+        return np.hypot(*self.errors[:, :2].T)
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square of the errors `(3,)`: x [m], y [m], heading [rad]."""
+        return np.sqrt((self.errors**2).mean(axis=0))
+
+    @property
+    def rms_distance(self) -> float:
+        """Root mean square distance [m] from the reference."""
+        return float(np.sqrt((self.distance**2).mean()))
+
+    @property
+    def max_distance(self) -> float:
+        """Largest distance [m] from the reference."""
+        return float(self.distance.max())
+
+    def effort(self, robot: Robot) -> float:
+        """Root mean square acceleration [rad/s^2] asked of the wheels."""
+        rates = np.diff(wheel_speeds(self.commands, robot), axis=0) / self.dt
+        return float(np.sqrt((rates**2).mean()))
+
+    def after(self, time: float) -> Run:
+        """The part of the run from `time` [s] on, with its log."""
+        k, n = int(np.searchsorted(self.t, time - 1e-9)), len(self.commands)
+        log = {name: values[k:] if len(values) in (n, n + 1) else values for name, values in self.log.items()}
+        parts = {name: getattr(self, name)[k:] for name in ("t", "poses", "commands", "clearance")}
+        return replace(self, log=log, **parts)
 
     def metrics(self) -> dict[str, float | int | str]:
         """The run in one row: status and every measure above."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.maps.kernels import _clear
+from fuzzynav.maps.kernels import disc_passes
 
 __all__ = ["best_shortcut", "key_nodes", "prune", "remove_collinear", "shorten", "shorten_as_printed"]
 
@@ -34,7 +34,8 @@ def remove_collinear(cells: ArrayLike) -> Cells:
     before, after = path[1:-1] - path[:-2], path[2:] - path[1:-1]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turns = (cross != 0) | ((before * after).sum(axis=1) <= 0)
-    return path[np.concatenate([[True], turns, [True]])]
+    kept: Cells = path[np.concatenate([[True], turns, [True]])]
+    return kept
 
 
 def key_nodes(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str = "permissive") -> Cells:
@@ -139,7 +140,7 @@ def _free_path(cells: ArrayLike, grid: GridMap, radius: float, corners: str) -> 
 def _free(grid: GridMap, a: Cells, b: Cells, radius: float, corners: str) -> bool:
     """As GridMap.clear_line between two cell centres, without its checks."""
     return bool(
-        _clear(
+        disc_passes(
             grid.occupied, a[0] + 0.5, a[1] + 0.5, b[0] + 0.5, b[1] + 0.5, radius / grid.resolution, corners == "strict"
         )
     )

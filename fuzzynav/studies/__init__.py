@@ -6,12 +6,14 @@ import importlib
 import pkgutil
 from types import ModuleType
 
+FRAME = ("__main__", "reproduction", "study")  # what is no topic
+
 __all__ = ["claims_of", "topics"]
 
 
 def topics() -> tuple[str, ...]:
     """The topics present, in alphabetical order; each is a file, or a folder with a file `claims`."""
-    return tuple(sorted(m.name for m in pkgutil.iter_modules(__path__) if m.name not in ("__main__", "reproduction")))
+    return tuple(sorted(m.name for m in pkgutil.iter_modules(__path__) if m.name not in FRAME))
 
 
 def claims_of(topic: str) -> ModuleType:

@@ -1,4 +1,4 @@
-"""Chapter 2 of the thesis, section 2.4: the example systems of notebook 03, which are ours, and the worked example.
+"""Thesis 2.4: the example systems of notebook 03, which are ours, and the worked example.
 
 The thesis prints no number in section 2.4. The one printed number that its methods can be held against is the worked
 example of the 27-rule planner.
@@ -6,13 +6,13 @@ example of the 27-rule planner.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
 from fuzzynav.data import folder
-from fuzzynav.fuzzy import FuzzySystem, Rule, RuleBlock, Term, Variable
+from fuzzynav.fuzzy import FuzzySystem, Rule, RuleBlock, Variable, constant, linear, trapezoid, triangle
 from fuzzynav.studies.reproduction import Reproduction
 
 __all__ = ["REPRODUCTIONS", "SpeedSets", "arrangements", "planner", "rule_base", "speed_system", "sugeno_speed"]
@@ -46,10 +46,6 @@ SPEED_RULES = (
 )
 
 
-def _triangle(name: str, *corners: float) -> Term:
-    return Term(name=name, shape="triangle", parameters=corners)
-
-
 def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
     """Speed [m/s] from the distance of an obstacle [m] and the heading error [deg]: four rules, triangles, ours.
 
@@ -65,9 +61,9 @@ def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
         high=4.0,
         unit="m",
         terms=(
-            _triangle("Near", 0.0, 0.0, s.near_end),
-            _triangle("Medium", s.medium_left, s.medium_peak, s.medium_right),
-            _triangle("Far", s.far_start, 4.0, 4.0),
+            triangle("Near", 0.0, 0.0, s.near_end),
+            triangle("Medium", s.medium_left, s.medium_peak, s.medium_right),
+            triangle("Far", s.far_start, 4.0, 4.0),
         ),
     )
     error = Variable(
@@ -75,7 +71,7 @@ def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
         low=0.0,
         high=90.0,
         unit="deg",
-        terms=(_triangle("Small", 0.0, 0.0, s.small_end), _triangle("Large", s.large_start, 90.0, 90.0)),
+        terms=(triangle("Small", 0.0, 0.0, s.small_end), triangle("Large", s.large_start, 90.0, 90.0)),
     )
     speed = Variable(
         name="speed",
@@ -83,9 +79,9 @@ def speed_system(chosen: SpeedSets | None = None) -> FuzzySystem:
         high=0.6,
         unit="m/s",
         terms=(
-            _triangle("Slow", 0.0, 0.0, s.slow_end),
-            _triangle("Middle", s.middle_left, s.middle_peak, s.middle_right),
-            _triangle("Fast", s.fast_start, 0.6, 0.6),
+            triangle("Slow", 0.0, 0.0, s.slow_end),
+            triangle("Middle", s.middle_left, s.middle_peak, s.middle_right),
+            triangle("Fast", s.fast_start, 0.6, 0.6),
         ),
     )
     return FuzzySystem(
@@ -110,9 +106,9 @@ def sugeno_speed() -> FuzzySystem:
     """
     distance = speed_system().inputs[0]
     terms = (
-        Term(name="Crawl", shape="constant", parameters=(0.1,)),
-        Term(name="Follow", shape="linear", parameters=(0.15, 0.0)),
-        Term(name="Cruise", shape="constant", parameters=(0.6,)),
+        constant("Crawl", 0.1),
+        linear("Follow", 0.15, 0.0),
+        constant("Cruise", 0.6),
     )
     speed = Variable(name="speed", low=0.0, high=0.6, unit="m/s", terms=terms, defuzzifier="weighted average")
     pairs = (("Near", "Crawl"), ("Medium", "Follow"), ("Far", "Cruise"))
@@ -140,7 +136,7 @@ def arrangements() -> dict[str, Variable]:
             low=0.0,
             high=4.0,
             unit="m",
-            terms=tuple(Term(name=n, shape="trapezoid", parameters=c) for n, c in zip(names, rows, strict=True)),
+            terms=tuple(trapezoid(n, *c) for n, c in zip(names, rows, strict=True)),
         )
         for title, rows in corners.items()
     }
@@ -157,17 +153,12 @@ def planner(sigma: float | None = None) -> FuzzySystem:
     system = rule_base("fuzzy_planner_table_i")
     if sigma is None:
         return system
-    return replace(
-        system,
-        inputs=tuple(_widened(v, sigma) for v in system.inputs),
-        outputs=tuple(_widened(v, sigma) for v in system.outputs),
-    )
-
-
-def _widened(variable: Variable, sigma: float) -> Variable:
-    width = sigma * (variable.high - variable.low)
-    terms = tuple(replace(t, parameters=(t.parameters[0], width)) for t in variable.terms)
-    return replace(variable, terms=terms)
+    changed = {
+        (variable.name, term.name): (term.parameters[0], sigma * (variable.high - variable.low))
+        for variable in (*system.inputs, *system.outputs)
+        for term in variable.terms
+    }
+    return system.with_terms(changed)
 
 
 def _example(output: int) -> float:

@@ -31,10 +31,10 @@ from fuzzynav.localization.particles import (
     step,
 )
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import move
+from fuzzynav.robot import move
+from fuzzynav.sensors import Laser, Scan, dead_reckon, laser_scan
 from fuzzynav.sensors.cameras import Camera
-from fuzzynav.sensors.scene import Laser, Scan, dead_reckon, laser_scan
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 __all__ = [
     "BEACONS",

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["VERDICTS", "Measured", "Reproduction", "Study", "Verdict"]
+__all__ = ["VERDICTS", "Measured", "Reproduction", "Verdict"]
 
 Verdict = Literal["reproduced", "direction holds", "not reproduced", "contradicts itself", "not testable", "not yet"]
 VERDICTS: tuple[Verdict, ...] = (
@@ -49,11 +49,3 @@ class Reproduction:
             raise ValueError(f"{self.claim}: give a function that measures, or a verdict with its reason")
         if not self.tolerance >= 0:
             raise ValueError(f"{self.claim}: tolerance must not be negative, got {self.tolerance}")
-
-
-@dataclass(frozen=True, slots=True)
-class Study:
-    """One long study: its name and a function that runs it, resumes it and writes `data/results/<name>.csv`."""
-
-    name: str
-    run: Callable[[], None]

@@ -1,6 +1,6 @@
-"""Chapter 1 of the thesis: the scenes and runs of notebook 01, which are our choice, and its claims.
+"""Thesis 1: the scenes and runs of notebook 01, which are our choice, and its claims.
 
-The thesis prints no measured result in chapter 1: its numbers there are the two speeds of eq 1.4 and 1.5,
+The thesis prints no measured result there: its numbers there are the two speeds of eq 1.4 and 1.5,
 which `sensors` holds. The scenes below stand where it shows pictures.
 """
 
@@ -10,10 +10,10 @@ import numpy as np
 
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import Robot
-from fuzzynav.sensors.scene import Encoders, dead_reckon, encoder_counts, odometry
+from fuzzynav.robot import Robot
+from fuzzynav.sensors import Encoders, dead_reckon, encoder_counts, odometry
 from fuzzynav.studies.reproduction import Reproduction
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 __all__ = ["REPRODUCTIONS", "believed_run", "room", "square_motions", "wall"]
 

@@ -1,4 +1,4 @@
-"""Chapter 4 of the thesis, global planning: the printed numbers of Table 4.2 and of eq 4.4, measured.
+"""Thesis 4, global planning: the printed numbers of Table 4.2 and of eq 4.4, measured.
 
 What concerns the dynamic window and the fusion of both planners stands in modules of their own.
 """
@@ -13,7 +13,7 @@ from fuzzynav import smoothing
 from fuzzynav.planning import heuristics
 from fuzzynav.studies.planning import maps
 from fuzzynav.studies.planning.claims import is_safe, smooth_is_continuous
-from fuzzynav.studies.planning.maps import CHAPTER_4, Planned
+from fuzzynav.studies.planning.maps import SCENES_4, Planned
 from fuzzynav.studies.reproduction import Reproduction
 
 __all__ = ["REPRODUCTIONS", "STAIRCASE", "grid_bound", "length_reduction", "plan"]
@@ -23,8 +23,8 @@ STAIRCASE = float(np.sqrt(4.0 - 2.0 * np.sqrt(2.0)))  # longest grid staircase a
 
 @cache
 def plan(scene: str, planner: str) -> Planned:
-    """The answer of "TA" (traditional) or "EA" (enhanced) in a scene of astar_maps.CHAPTER_4."""
-    return {"TA": maps.traditional, "EA": maps.enhanced}[planner](CHAPTER_4[scene])
+    """The answer of "TA" (traditional) or "EA" (enhanced) in a scene of astar_maps.SCENES_4."""
+    return {"TA": maps.traditional, "EA": maps.enhanced}[planner](SCENES_4[scene])
 
 
 def _length(scene: str, planner: str) -> float:
@@ -47,14 +47,14 @@ def grid_bound(length: float) -> float:
 
 
 def _grade(scene: str, planner: str, name: str) -> str:
-    given, found = CHAPTER_4[scene], plan(scene, planner)
+    given, found = SCENES_4[scene], plan(scene, planner)
     good = is_safe(given, found) if name == "safe" else smooth_is_continuous(given, found, planner == "EA")
     return "High" if good else "Low"
 
 
 def _ends() -> str:
     """Start and goal of all scenes, in the thesis' count, if they are one pair."""
-    pairs = {(scene.start, scene.goal) for scene in CHAPTER_4.values()}
+    pairs = {(scene.start, scene.goal) for scene in SCENES_4.values()}
     (sx, sy), (gx, gy) = pairs.pop()
     return f"({sx + 1},{sy + 1}) -> ({gx + 1},{gy + 1})" if not pairs else "several"
 

@@ -1,36 +1,67 @@
 """Compiled loops of the world: distances, rays, rasters and the steps of the movers.
 
-A frame is resolution, x, y of a grid; an empty mask stands for no grid. Shapes are rows as in World.
+An empty mask stands for no grid. Shapes are rows as in World.
 """
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.maps.kernels import Bytes, Cells, Mask, _nearest, _ray
+from fuzzynav.maps.kernels import Bytes, Cells, Mask, distance_at, ray_length
 
-__all__: list[str] = []
+__all__ = ["GROUND", "Fleet", "Scene", "advance", "clearance", "raster", "rectangle_hits", "scan", "spacing"]
+
+GROUND = np.dtype(
+    (
+        np.record,
+        [
+            ("resolution", "f8"),  # [m] of the grid, and where its corner lies
+            ("x", "f8"),
+            ("y", "f8"),
+            ("xmin", "f8"),  # [m] walls
+            ("xmax", "f8"),
+            ("ymin", "f8"),
+            ("ymax", "f8"),
+        ],
+    )
+)
+
+
+class Scene(NamedTuple):
+    """What stands still in a world: a grid with its distances and its leaps for rays, the walls, and the shapes."""
+
+    mask: Mask
+    field: Array  # [cells]
+    skip: Bytes  # [cells] that a ray may leap
+    ground: Any  # one GROUND record
+    discs: Array
+    rectangles: Array
+
+
+class Fleet(NamedTuple):
+    """The movers of a world, one entry each."""
+
+    kinds: Cells
+    radii: Array
+    velocity: Array
+    speeds: Array
+    way: Array
+    corners: Cells
+    yields: Array
 
 
 @njit(cache=True)
-def _clearance(
-    mask: Mask,
-    field: Array,
-    frame: Array,
-    bounds: Array,
-    discs: Array,
-    rectangles: Array,
-    movers: Array,
-    points: Array,
-) -> Array:
+def clearance(scene: Scene, movers: Array, points: Array) -> Array:
     """Distance [m] from points `(n, 2)` to the nearest surface."""
-    out = np.empty(points.shape[0])
+    out, ground, discs, rectangles = np.empty(points.shape[0]), scene.ground[0], scene.discs, scene.rectangles
     cosine, sine = np.cos(rectangles[:, 4]), np.sin(rectangles[:, 4])
     for n in range(points.shape[0]):
         x, y = points[n, 0], points[n, 1]
-        best = min(min(x - bounds[0], bounds[1] - x), min(y - bounds[2], bounds[3] - y))
+        best = min(min(x - ground.xmin, ground.xmax - x), min(y - ground.ymin, ground.ymax - y))
         for k in range(discs.shape[0]):
             best = min(best, np.hypot(x - discs[k, 0], y - discs[k, 1]) - discs[k, 2])
         for k in range(movers.shape[0]):
@@ -40,16 +71,15 @@ def _clearance(
             across = abs(cosine[k] * u + sine[k] * v) - 0.5 * rectangles[k, 2]
             up = abs(cosine[k] * v - sine[k] * u) - 0.5 * rectangles[k, 3]
             best = min(best, np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0))
-        if mask.shape[0] > 0 and best > 0.0:
-            best = min(
-                best, frame[0] * _nearest(mask, field, (x - frame[1]) / frame[0], (y - frame[2]) / frame[0], False)
-            )
+        if scene.mask.shape[0] > 0 and best > 0.0:
+            u, v = (x - ground.x) / ground.resolution, (y - ground.y) / ground.resolution
+            best = min(best, ground.resolution * distance_at(scene.mask, scene.field, u, v, False))
         out[n] = best
     return out
 
 
 @njit(cache=True)
-def _spacing(angles: Array) -> float:
+def spacing(angles: Array) -> float:
     """Step [rad] of evenly rising angles that do not go round more than once; 0 for any others."""
     n = len(angles)
     step = (angles[n - 1] - angles[0]) / (n - 1) if n > 1 else 0.0
@@ -65,7 +95,7 @@ def _spacing(angles: Array) -> float:
 def _window(u: float, v: float, r: float, first: float, step: float, n: int) -> tuple[int, int, int]:
     """Beams that may meet a disc of radius r at (u, v) from the scanner: low .. high, and 0 .. second.
 
-    `first` is the heading of beam 0, `step` as from `_spacing`. Errs by a beam to either side, never the other way.
+    `first` is the heading of beam 0, `step` as from `spacing`. Errs by a beam to either side, never the other way.
     """
     away = np.hypot(u, v)
     if step == 0.0 or away <= r * (1.0 + 1e-9):
@@ -113,7 +143,7 @@ def _disc_hits(
 
 
 @njit(cache=True)
-def _rectangle_hits(rectangles: Array, x: float, y: float, beams: Array, step: float, ranges: Array) -> None:
+def rectangle_hits(rectangles: Array, x: float, y: float, beams: Array, step: float, ranges: Array) -> None:
     """Shorten the beams from (x, y) that meet a rectangle; `beams` as for discs."""
     count, reach = ranges.shape[0], ranges.max()
     for k in range(rectangles.shape[0]):
@@ -150,52 +180,42 @@ def _slabs(px: float, py: float, dx: float, dy: float, half_x: float, half_y: fl
 
 
 @njit(cache=True)
-def _scan(
-    mask: Mask,
-    skip: Bytes,
-    frame: Array,
-    bounds: Array,
-    discs: Array,
-    rectangles: Array,
-    movers: Array,
-    poses: Array,
-    angles: Array,
-    range_max: float,
-) -> tuple[Array, Cells]:
+def scan(scene: Scene, movers: Array, poses: Array, angles: Array, range_max: float) -> tuple[Array, Cells]:
     """Ranges [m] `(m, n)` from poses `(m, 3)`, and the index of the mover each beam met or -1."""
     out = np.full((poses.shape[0], angles.shape[0]), range_max)
     labels = np.full((poses.shape[0], angles.shape[0]), -1, dtype=np.int64)
     if angles.shape[0] == 0:
         return out, labels
-    step, beams = _spacing(angles), np.empty((3, angles.shape[0]))
+    step, beams, ground = spacing(angles), np.empty((3, angles.shape[0])), scene.ground[0]
     for m in range(poses.shape[0]):
         x, y = poses[m, 0], poses[m, 1]
         beams[0] = poses[m, 2] + angles
         beams[1], beams[2] = np.cos(beams[0]), np.sin(beams[0])
-        _disc_hits(discs, -1, x, y, beams, step, out[m], labels[m])
-        _rectangle_hits(rectangles, x, y, beams, step, out[m])
+        _disc_hits(scene.discs, -1, x, y, beams, step, out[m], labels[m])
+        rectangle_hits(scene.rectangles, x, y, beams, step, out[m])
         _disc_hits(movers, 0, x, y, beams, step, out[m], labels[m])
-        px, py = (x - frame[1]) / frame[0], (y - frame[2]) / frame[0]
+        px, py = (x - ground.x) / ground.resolution, (y - ground.y) / ground.resolution
         for n in range(angles.shape[0]):
-            t = _to_wall(bounds, x, y, beams[1, n], beams[2, n])
-            if mask.shape[0] > 0 and t > 0.0:
-                reach = min(t, out[m, n]) / frame[0]
-                t = min(t, frame[0] * _ray(mask, skip, px, py, beams[1, n], beams[2, n], reach, False))
+            t = _to_wall(ground, x, y, beams[1, n], beams[2, n])
+            if scene.mask.shape[0] > 0 and t > 0.0:
+                reach = min(t, out[m, n]) / ground.resolution
+                cells = ray_length(scene.mask, scene.skip, px, py, beams[1, n], beams[2, n], reach, False)
+                t = min(t, ground.resolution * cells)
             if t < out[m, n]:
                 out[m, n], labels[m, n] = t, -1
     return out, labels
 
 
 @njit(cache=True)
-def _to_wall(bounds: Array, x: float, y: float, dx: float, dy: float) -> float:
-    """Length of the ray inside the bounds; 0 outside them."""
-    if x < bounds[0] or x > bounds[1] or y < bounds[2] or y > bounds[3]:
+def _to_wall(ground: Any, x: float, y: float, dx: float, dy: float) -> float:
+    """Length of the ray inside the walls; 0 outside them."""
+    if x < ground.xmin or x > ground.xmax or y < ground.ymin or y > ground.ymax:
         return 0.0
     t = np.inf
     if dx != 0.0:
-        t = ((bounds[1] if dx > 0.0 else bounds[0]) - x) / dx
+        t = ((ground.xmax if dx > 0.0 else ground.xmin) - x) / dx
     if dy != 0.0:
-        t = min(t, ((bounds[3] if dy > 0.0 else bounds[2]) - y) / dy)
+        t = min(t, ((ground.ymax if dy > 0.0 else ground.ymin) - y) / dy)
     return max(t, 0.0)
 
 
@@ -215,37 +235,33 @@ def _overlaps(rectangle: Array, x: float, y: float, step: float) -> bool:
 
 
 @njit(cache=True)
-def _raster(
-    mask: Mask,
-    frame: Array,
-    target: Array,
-    rows: int,
-    cols: int,
-    discs: Array,
-    rectangles: Array,
-) -> Mask:
-    """Cells of the grid `target` (resolution, x, y) that a cell of the mask, a disc or a rectangle overlaps."""
-    out = np.zeros((rows, cols), dtype=np.bool_)
-    step, left, low = target[0], target[1], target[2]
-    for j in range(rows):
-        for i in range(cols):
+def raster(scene: Scene, discs: Array, rectangles: Array, step: float, left: float, low: float, out: Mask) -> None:
+    """Mark the cells of a grid from (left, low) that a cell of the scene's mask, a disc or a rectangle overlaps."""
+    for j in range(out.shape[0]):
+        for i in range(out.shape[1]):
             x, y = left + (i + 0.5) * step, low + (j + 0.5) * step
-            hit = False
+            hit = scene.mask.shape[0] > 0 and _mask_hits(scene, x, y, step)
             for k in range(discs.shape[0]):
                 away_x = max(abs(x - discs[k, 0]) - 0.5 * step, 0.0)
                 away_y = max(abs(y - discs[k, 1]) - 0.5 * step, 0.0)
                 hit = hit or away_x * away_x + away_y * away_y < discs[k, 2] * discs[k, 2]
             for k in range(rectangles.shape[0]):
                 hit = hit or _overlaps(rectangles[k], x, y, step)
-            if mask.shape[0] > 0 and not hit:
-                first_x = (x - 0.5 * step - frame[1]) / frame[0] + 1e-9
-                first_y = (y - 0.5 * step - frame[2]) / frame[0] + 1e-9
-                last_x, last_y = first_x + step / frame[0] - 2e-9, first_y + step / frame[0] - 2e-9
-                for v in range(int(max(first_y, 0.0)), min(int(last_y) + 1, mask.shape[0])):
-                    for u in range(int(max(first_x, 0.0)), min(int(last_x) + 1, mask.shape[1])):
-                        hit = hit or mask[v, u]
             out[j, i] = hit
-    return out
+
+
+@njit(cache=True)
+def _mask_hits(scene: Scene, x: float, y: float, step: float) -> bool:
+    """Whether an occupied cell of the mask overlaps the square with centre (x, y) and side `step`."""
+    ground, mask = scene.ground[0], scene.mask
+    first_x = (x - 0.5 * step - ground.x) / ground.resolution + 1e-9
+    first_y = (y - 0.5 * step - ground.y) / ground.resolution + 1e-9
+    last_x, last_y = first_x + step / ground.resolution - 2e-9, first_y + step / ground.resolution - 2e-9
+    for v in range(int(max(first_y, 0.0)), min(int(last_y) + 1, mask.shape[0])):
+        for u in range(int(max(first_x, 0.0)), min(int(last_x) + 1, mask.shape[1])):
+            if mask[v, u]:
+                return True
+    return False
 
 
 @njit(cache=True)
@@ -269,70 +285,50 @@ def _along(way: Array, count: int, travelled: float) -> tuple[float, float, floa
 
 
 @njit(cache=True)
-def _advance(
-    kinds: Cells,
-    radii: Array,
-    velocity: Array,
-    speeds: Array,
-    way: Array,
-    corners: Cells,
-    yields: Array,
-    positions: Array,
-    targets: Array,
-    travelled: Array,
-    dt: float,
-    robot: Array,
+def advance(
+    fleet: Fleet, positions: Array, targets: Array, travelled: Array, dt: float, robot: Array
 ) -> tuple[Array, Array, Array, Mask]:
     """Positions, velocities and distances walked after `dt`, and who has reached its random target."""
-    count = len(kinds)
+    count = len(fleet.kinds)
     new, speed_out, walked = positions.copy(), np.zeros((count, 2)), travelled.copy()
     arrived = np.zeros(count, dtype=np.bool_)
     for k in range(count):
-        speed, dx, dy, left = speeds[k], 0.0, 0.0, np.inf
-        if kinds[k] == 0:
-            speed = np.hypot(velocity[k, 0], velocity[k, 1])
-            dx, dy = velocity[k, 0] / max(speed, 1e-300), velocity[k, 1] / max(speed, 1e-300)
-        elif kinds[k] == 1:
-            _, _, dx, dy = _along(way[k], corners[k], travelled[k])
+        speed, dx, dy, left = fleet.speeds[k], 0.0, 0.0, np.inf
+        if fleet.kinds[k] == 0:
+            speed = np.hypot(fleet.velocity[k, 0], fleet.velocity[k, 1])
+            dx, dy = fleet.velocity[k, 0] / max(speed, 1e-300), fleet.velocity[k, 1] / max(speed, 1e-300)
+        elif fleet.kinds[k] == 1:
+            _, _, dx, dy = _along(fleet.way[k], fleet.corners[k], travelled[k])
         else:
             dx, dy = targets[k, 0] - positions[k, 0], targets[k, 1] - positions[k, 1]
             left = np.hypot(dx, dy)
             dx, dy = dx / max(left, 1e-300), dy / max(left, 1e-300)
         away_x, away_y = robot[0] - positions[k, 0], robot[1] - positions[k, 1]
-        if yields[k] > 0.0 and np.isfinite(away_x) and dx * away_x + dy * away_y > 0.0:
-            gap = np.hypot(away_x, away_y) - radii[k]
-            speed *= min(max(2.0 * gap / yields[k] - 1.0, 0.0), 1.0)
+        if fleet.yields[k] > 0.0 and np.isfinite(away_x) and dx * away_x + dy * away_y > 0.0:
+            gap = np.hypot(away_x, away_y) - fleet.radii[k]
+            speed *= min(max(2.0 * gap / fleet.yields[k] - 1.0, 0.0), 1.0)
         step = min(speed * dt, left)
         walked[k] += step
         new[k, 0], new[k, 1] = positions[k, 0] + step * dx, positions[k, 1] + step * dy
-        if kinds[k] == 1:
-            new[k, 0], new[k, 1], dx, dy = _along(way[k], corners[k], walked[k])
-        arrived[k] = kinds[k] == 2 and dt > 0.0 and step >= left
+        if fleet.kinds[k] == 1:
+            new[k, 0], new[k, 1], dx, dy = _along(fleet.way[k], fleet.corners[k], walked[k])
+        arrived[k] = fleet.kinds[k] == 2 and dt > 0.0 and step >= left
         speed_out[k, 0], speed_out[k, 1] = speed * dx, speed * dy
     return new, speed_out, walked, arrived
 
 
 def _warm() -> None:
-    """Compile every kernel with the types that World hands over."""
-    frame, bounds = np.array([1.0, 0.0, 0.0]), np.array([0.0, 3.0, 0.0, 3.0])
+    """Compile every kernel with the types that a World hands over: all arrays of a scene are read-only."""
     discs, rectangles = np.array([[1.0, 1.0, 0.2]]), np.array([[2.0, 2.0, 0.2, 0.2, 0.1]])
+    ground = np.array([(1.0, 0.0, 0.0, 0.0, 3.0, 0.0, 3.0)], dtype=GROUND)
     mask, field = np.zeros((3, 3), dtype=np.bool_), np.full((3, 3), 5.0)
-    static = (mask, field, frame, bounds, discs, rectangles)
-    _clearance(*static, discs, np.array([[0.5, 0.5]]))
-    _scan(mask, field.astype(np.uint8), *static[2:], discs, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
-    _raster(mask, frame, frame, 3, 3, discs, rectangles)
-    one, zero = np.ones(1), np.zeros((1, 2))
-    _advance(
-        np.ones(1, dtype=np.int64),
-        one,
-        zero,
-        one,
-        np.array([[[0.0, 0.0], [1.0, 0.0]]]),
-        np.full(1, 2, dtype=np.int64),
-        one,
-        zero,
-        zero,
-        np.zeros(1),
-        0.1,
-        np.zeros(2),
-    )
+    scene = Scene(mask, field, field.astype(np.uint8), ground, discs, rectangles)
+    for array in scene:
+        array.flags.writeable = False
+    movers, zero = np.array([[1.0, 1.0, 0.2]]), np.zeros((1, 2))
+    clearance(scene, movers, zero + 0.5)
+    scan(scene, movers, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
+    raster(scene, discs, rectangles, 1.0, 0.0, 0.0, np.zeros((3, 3), dtype=np.bool_))
+    one, count = np.ones(1), np.ones(1, dtype=np.int64)
+    fleet = Fleet(count, one, zero, one, np.array([[[0.0, 0.0], [1.0, 0.0]]]), count + 1, one)
+    advance(fleet, zero, zero, np.zeros(1), 0.1, np.zeros(2))

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from fuzzynav import batch, dwa, simulate
+from fuzzynav.control import Observation
 from fuzzynav.dwa.fast import drive
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa import comparison, safety
-from fuzzynav.world.world import Observation
 
 SPEED = np.array([0.5, 0.1])
 GOAL = np.array([5.0, 2.0])
@@ -124,7 +124,7 @@ def on_a_field():
 def runs():
     """Simulated seconds for one second of computing, open and compiled; runs per minute on two cores."""
     world, field = comparison._scene("0.05/3")
-    params = dwa.CHAPTER_4
+    params = dwa.TABLE_4_1
 
     def open_():
         controller = dwa.Controller(THESIS, params, field=field)

@@ -6,8 +6,9 @@ from statistics import median
 import numpy as np
 
 from fuzzynav import blend
+from fuzzynav.control import Observation
 from fuzzynav.tracking.reference import FigureEight
-from fuzzynav.world.world import Observation, World
+from fuzzynav.world import World
 
 EIGHT, TOP = FigureEight(duration=blend.LAP), np.array([0.0, 1.9, 0.2, 0.3, 0.0])
 

@@ -9,7 +9,7 @@ from bresenham import bresenham
 from fuzzynav import mapping
 from fuzzynav.mapping import logs, posegraph
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 RESOLUTION = 0.1
 SENSOR = mapping.InverseSensor()

@@ -8,12 +8,12 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from fuzzynav import dwa
+from fuzzynav.control import Observation
 from fuzzynav.dwa import contact as dwa_contact
 from fuzzynav.dwa import kernels
 from fuzzynav.dwa.decision import Params
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS, TURTLEBOT2, move, reachable
-from fuzzynav.world.world import Observation
+from fuzzynav.robot import THESIS, TURTLEBOT2, move, reachable
 
 speeds = st.floats(0.0, 1.0)
 turns = st.floats(-0.35, 0.35)
@@ -92,6 +92,7 @@ def test_stopping_distance_is_the_sum_of_the_steps() -> None:
     assert dwa.stopping_distance([[1.0, 0.0]], THESIS, 0.1)[0] == pytest.approx(1.0 / 0.4 + 0.05, abs=1e-12)
 
 
+@settings(deadline=None)
 @given(speeds, turns)
 def test_braking_stays_on_the_arc_and_inside_the_limits(v: float, omega: float) -> None:
     state = np.array([v, omega])
@@ -127,6 +128,7 @@ def test_an_admissible_sample_stops_before_the_wall(gap: float, v: float, omega:
 # --- the window -----------------------------------------------------------------------------------
 
 
+@settings(deadline=None)
 @given(speeds, turns)
 def test_window_holds_both_ends_zero_and_the_emergency(v: float, omega: float) -> None:
     samples = dwa.window([v, omega], THESIS)
@@ -284,7 +286,7 @@ def test_every_parameter_has_an_effect() -> None:
     points = np.array([[1.5, 0.2], [1.9, -0.4], [0.9, -0.8]])
     angles = np.linspace(-np.pi, np.pi, 8, endpoint=False)
     observation = seen(points, velocity=(0.6, 0.1), goal=(4, 2), ranges=np.full(8, 3.0), angles=angles, range_max=3.0)
-    base = Params(blind=False)
+    base, seeing = Params(blind=False), Params(thinnest=1.5)
     other = {
         "weights": (0.1, 0.1, 0.8),
         "sim_time": 1.0,
@@ -298,12 +300,14 @@ def test_every_parameter_has_an_effect() -> None:
         "bound": "as_printed",
         "sampling": "as_printed",
         "blind": True,
+        "thinnest": 1.0,
         "footprint": ((0.4, -0.3), (0.4, 0.3), (-0.4, 0.3), (-0.4, -0.3)),
     }
     assert set(other) == {f.name for f in fields(Params)}
-    before = dwa.plan(observation, THESIS, base)
     for name, value in other.items():
-        after = dwa.plan(observation, THESIS, replace(base, **{name: value}))
+        first = seeing if name == "thinnest" else base
+        before = dwa.plan(observation, THESIS, first)
+        after = dwa.plan(observation, THESIS, replace(first, **{name: value}))
         same = before.samples.shape == after.samples.shape and all(
             np.array_equal(getattr(before, f), getattr(after, f), equal_nan=True)
             for f in ("samples", "totals", "reasons", "free", "known")
@@ -359,9 +363,9 @@ def test_polygon_with_many_corners_is_the_disc(seed: int) -> None:
     corners = 0.3 * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     points = rng.uniform(-2, 2, (4, 2))
     points = points[np.hypot(*points.T) > 0.35]
-    near, _ = dwa_contact._near(np.zeros(3), points, np.zeros(len(points)), 0.3, np.inf)
+    near, _ = dwa_contact.near_points(np.zeros(3), points, np.zeros(len(points)), 0.3, np.inf)
     v, omega = rng.choice([-1, 1]) * rng.uniform(0.1, 1), rng.choice([0.0, 1.0]) * rng.uniform(-1, 1)
-    disc, polygon = dwa_contact._arc_contact(v, omega, near), dwa_contact._polygon_contact(v, omega, near, corners)
+    disc, polygon = dwa_contact.arc_contact(v, omega, near), dwa_contact.polygon_contact(v, omega, near, corners)
     if np.isfinite(disc) and np.isfinite(polygon):
         assert polygon == pytest.approx(disc, abs=0.02)
 
@@ -381,7 +385,7 @@ def test_footprint_turning_in_place_stops_before_its_corner_touches() -> None:
 def test_blind_spots_cover_the_shadow_behind_an_edge() -> None:
     angles = np.linspace(-np.pi, np.pi, 720, endpoint=False)
     ranges = np.where(np.abs(angles) < 0.2, 1.0, np.inf)
-    border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=4.0))
+    border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=4.0), THESIS)
     for bearing in (-0.2, 0.2):
         for r in np.arange(1.05, 4.0, 0.1):
             gaps = np.hypot(*(border - r * np.array([np.cos(bearing), np.sin(bearing)])).T) - radii
@@ -408,12 +412,12 @@ def test_nan_and_inf_ranges_are_no_obstacles_but_no_licence() -> None:
     angles = np.linspace(-np.pi, np.pi, 360, endpoint=False)
     ranges = np.full(360, np.inf)
     ranges[170:190] = np.nan
-    border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=5.0))
+    border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=5.0), THESIS)
     assert np.isfinite(border).all()
     assert np.isfinite(radii).all()
     assert (radii >= 0).all()
-    empty = dwa.blind_spots(seen(ranges=np.full(360, np.nan), angles=angles, range_max=5.0))
-    assert len(empty[0]) == 0
+    empty = dwa.blind_spots(seen(ranges=np.full(360, np.nan), angles=angles, range_max=5.0), THESIS)
+    assert np.hypot(*empty[0].T) == pytest.approx(THESIS.radius, abs=0.002)  # unseen ground begins at its own rim
 
 
 # --- bad input --------------------------------------------------------------------------------------

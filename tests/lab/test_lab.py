@@ -196,3 +196,36 @@ def test_guards_let_interrupts_pass():
     with guard:
         raise ValueError("the map is empty")
     assert plain_words(guard.error) == "the map is empty"
+
+
+def test_a_value_reaches_the_picture_rounded_to_its_step(panel):
+    panel._widgets["gain"].value = 0.15000000000000002  # what a browser sends after a few steps
+    assert panel.values["gain"] == 0.15
+    degrees = lab.Slider("ends", 5.0, 90.0, 90.0, 1.0)
+    assert degrees.rounded(45.00000000000001) == 45.0
+    assert lab.Slider("odd", 0.65, 4.0, 2.0, 0.05).rounded(0.7000001) == 0.7
+    assert lab.Slider("n", 8, 2578, 8, 1).rounded(9) == 9
+
+
+def test_after_a_fault_the_old_picture_fades(panel):
+    good = np.asarray(Image.open(io.BytesIO(panel.png))).astype(float)
+    panel.set(count=7)
+    pale = np.asarray(Image.open(io.BytesIO(panel.png))).astype(float)
+    assert pale.min() > good.min()
+    np.testing.assert_allclose(255 - pale, 0.35 * (255 - good), atol=1.0)
+
+
+def test_a_lab_is_given_its_scene():
+    def scaled(figure, *, most):
+        update = wave(figure)
+        return lambda gain, count: update(gain * most, count)
+
+    shown = lab.Panel(scaled, SLIDERS, title="t", given={"most": 2.0})
+    assert shown.text == "amplitude 1.00 <m>"
+
+
+def test_the_stored_picture_carries_its_line_of_text(panel):
+    live, stored = (Image.open(io.BytesIO(p)) for p in (panel.png, panel._repr_mimebundle_()["image/png"]))
+    assert stored.size[0] == live.size[0]
+    assert stored.size[1] > live.size[1]
+    assert np.asarray(stored)[live.size[1] :].min() < 100  # something is written there

@@ -9,7 +9,7 @@ import pytest
 from fuzzynav import lab, plot
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4
 
 PLANNERS = {"traditional": astar.TRADITIONAL, "Dijkstra": astar.DIJKSTRA}
 
@@ -128,10 +128,10 @@ def moved(panel, **values) -> bool:
 
 
 def test_search_lab_follows_every_control():
-    scene = CHAPTER_4["M2 cut"]
+    scene = SCENES_4["M2 cut"]
     choices = ("zero", "euclidean", "octile", "manhattan", "enhanced")
     panel = lab.Panel(
-        plot.search_lab(scene.grid, scene.start, scene.goal),
+        plot.search_lab,
         {
             "heuristic": lab.Choice("heuristic", choices, "octile"),
             "weight": lab.Slider("weight", 0.0, 4.0, 1.0, 0.1),
@@ -141,6 +141,7 @@ def test_search_lab_follows_every_control():
         },
         title="search",
         size=(4, 4),
+        given={"grid": scene.grid, "start": scene.start, "goal": scene.goal},
     )
     assert "over the shortest" in panel.text
     for values in ({"weight": 3.0}, {"heuristic": "zero"}, {"neighbours": "4"}, {"radius": 0.7}):
@@ -151,26 +152,27 @@ def test_search_lab_follows_every_control():
 
 
 def test_film_safety_and_eta_labs():
-    scene = CHAPTER_3["S1"]
+    scene = SCENES_3["S1"]
     found = {n: astar.search(scene.grid, scene.start, scene.goal, o) for n, o in PLANNERS.items()}
-    film = lab.Player(plot.search_film(scene.grid, found), 60, title="film", size=(6, 3))
+    film = lab.Player(plot.search_film, 60, title="film", size=(6, 3), given={"grid": scene.grid, "results": found})
     assert moved(film, frame=30)
     assert film.text == "cells expanded: traditional 30 of 35, Dijkstra 30 of " + str(found["Dijkstra"].searched)
-    wide = CHAPTER_4["M2 cut"]
+    wide = SCENES_4["M2 cut"]
     safety = lab.Panel(
-        plot.safety_lab(wide.grid, wide.start, wide.goal),
+        plot.safety_lab,
         {
             "radius": lab.Slider("radius", 0.0, 2.0, 0.5, 0.1),
             "base": lab.Slider("base", 2.0, 12.0, 10.0, 1.0),
         },
         title="safety",
         size=(4, 5),
+        given={"grid": wide.grid, "start": wide.start, "goal": wide.goal},
     )
     assert moved(safety, radius=0.8)
     safety.set(radius=2.0)
     assert safety.text == "start blocked at 2.00 m"
     eta = lab.Panel(
-        plot.eta_lab(),
+        plot.eta_lab,
         {
             "speeds": lab.Slider("speeds", 0.5, 15.0, 5.0, 0.5),
             "accelerations": lab.Slider("a", -30.0, 30.0, 0.0, 1.0),

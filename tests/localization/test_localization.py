@@ -12,8 +12,8 @@ from fuzzynav import localization as loc
 from fuzzynav.geometry import to_world, wrap
 from fuzzynav.localization import particles as mcl
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import move
-from fuzzynav.sensors.scene import Laser, Scan, dead_reckon, laser_scan
+from fuzzynav.robot import move
+from fuzzynav.sensors import Laser, Scan, dead_reckon, laser_scan
 
 NOISE = loc.MotionNoise(travel_per_metre=4e-4, travel_per_radian=1e-4, turn_per_metre=1e-3, turn_per_radian=2e-3)
 TURN = 2.0 * np.pi * np.array([0.0, 0.0, 1.0])

@@ -13,9 +13,9 @@ from fuzzynav.localization.kalman import LandmarkSensor
 from fuzzynav.mapping import logs, posegraph
 from fuzzynav.maps import kinds
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.sensors.scene import Laser
+from fuzzynav.sensors import Laser
 from fuzzynav.studies import localization as study
-from fuzzynav.world.world import World
+from fuzzynav.world import World
 
 relaxed = settings(deadline=None, max_examples=30)
 SEEDS = st.integers(0, 2**32)
@@ -177,8 +177,8 @@ def test_a_log_is_read_from_text_and_from_an_archive(tmp_path):
 
 
 def test_toro_names_and_its_order_of_the_information():
-    log = logs.parse_g2o("VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 1 2 3 4 5 6")
-    assert log.information[0].tolist() == [[1, 2, 5], [2, 3, 6], [5, 6, 4]]
+    log = logs.parse_g2o("VERTEX2 0 0 0 0\nVERTEX2 1 1 0 0\nEDGE2 0 1 1 0 0 10 2 30 40 5 6")
+    assert log.information[0].tolist() == [[10, 2, 5], [2, 30, 6], [5, 6, 40]]
     assert log.ranges.shape == (2, 0)
 
 

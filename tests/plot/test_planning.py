@@ -11,9 +11,9 @@ from fuzzynav import plot, smoothing
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, sampling
 from fuzzynav.smoothing import simplify
-from fuzzynav.studies.planning.maps import CHAPTER_3
+from fuzzynav.studies.planning.maps import SCENES_3
 
-SCENE = CHAPTER_3["S1"]
+SCENE = SCENES_3["S1"]
 FOUND = astar.search(SCENE.grid, SCENE.start, SCENE.goal, astar.TRADITIONAL)
 
 

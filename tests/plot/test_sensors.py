@@ -12,7 +12,7 @@ from fuzzynav.course.exercises.ch01 import EXERCISES
 from fuzzynav.course.reader import solution_blocks
 from fuzzynav.geometry import length
 from fuzzynav.lab import Panel, Slider
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.sensors import cameras
 from fuzzynav.studies import sensors as study
 

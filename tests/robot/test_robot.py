@@ -54,7 +54,10 @@ def test_turning_radius_closes_appendix_a() -> None:
     assert r.turning_radius([0.2, -0.2], r.PIONEER_3DX) == 0.0
 
 
-@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+SPEEDS = st.floats(-3.0, 3.0, allow_subnormal=False)  # half of the least subnormal is zero
+
+
+@given(SPEEDS, SPEEDS)
 def test_the_name_of_a_motion_agrees_with_the_motion(right: float, left: float) -> None:
     v, _omega = r.body_from_rims([right, left], r.TURTLEBOT2)
     name = r.motion_name(right, left, tolerance=0.0)

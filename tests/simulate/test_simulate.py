@@ -9,10 +9,11 @@ from hypothesis import strategies as st
 
 from fuzzynav import dwa, simulate
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS, TURTLEBOT2, move, respects_limits
-from fuzzynav.simulate.loop import Loop, Playback, Sensing
+from fuzzynav.robot import THESIS, TURTLEBOT2, move, respects_limits
+from fuzzynav.sensors import Odometry
+from fuzzynav.simulate import IDEAL_LASER, Disturbance, Loop, Playback
 from fuzzynav.simulate.record import Run
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 EMPTY = World()
 
@@ -99,10 +100,14 @@ def test_dwa_keeps_the_limits_and_gets_what_it_asks_for(seed: int) -> None:
 
 def test_motor_lag_delays_but_arrives_at_the_command() -> None:
     sharp = simulate.run(EMPTY, THESIS, Steady(), (0, 0, 0), (100, 0), t_max=10.0)
-    soft = simulate.run(EMPTY, THESIS, Steady(), (0, 0, 0), (100, 0), t_max=10.0, loop=Loop(motor_lag=0.4))
+    soft = simulate.run(
+        EMPTY, THESIS, Steady(), (0, 0, 0), (100, 0), t_max=10.0, disturbance=Disturbance(motor_lag=0.4)
+    )
     assert soft.length < sharp.length
-    assert soft.commands[-1, 0] == pytest.approx(1.0, abs=1e-3)
-    finer = simulate.run(EMPTY, THESIS, Steady(), (0, 0, 0), (100, 0), dt=0.05, t_max=10.0, loop=Loop(motor_lag=0.4))
+    assert soft.driven[-1, 0] == pytest.approx(1.0, abs=1e-3)
+    finer = simulate.run(
+        EMPTY, THESIS, Steady(), (0, 0, 0), (100, 0), dt=0.05, t_max=10.0, disturbance=Disturbance(motor_lag=0.4)
+    )
     assert finer.length == pytest.approx(soft.length, rel=0.02)
 
 
@@ -112,13 +117,14 @@ def test_motor_lag_delays_but_arrives_at_the_command() -> None:
 def test_same_seed_same_run_bit_for_bit() -> None:
     movers = (Mover.wander((8, 12), 0.5, 0.3), Mover.patrol([(4, 9), (12, 9)], 0.4, 0.3, yield_distance=1.0))
     world = World(discs=rocks(3).discs, bounds=(0, 20, 0, 20), movers=movers)
-    noisy = Sensing(range_noise=0.02, dropout=0.02, speed_noise=(0.05, 0.05), speed_bias=(0.01, -0.01))
+    noisy = {
+        "laser": replace(IDEAL_LASER, noise=0.02, dropout=0.02),
+        "odometry": Odometry(noise=(0.05, 0.05), bias=(0.01, -0.01)),
+    }
     controller = dwa.Controller(THESIS)
-    runs = [
-        simulate.run(world, THESIS, controller, (1, 1), (19, 19), rng=7, sensors=noisy, t_max=25.0) for _ in range(2)
-    ]
+    runs = [simulate.run(world, THESIS, controller, (1, 1), (19, 19), rng=7, t_max=25.0, **noisy) for _ in range(2)]
     assert same(*runs)
-    other = simulate.run(world, THESIS, controller, (1, 1), (19, 19), rng=8, sensors=noisy, t_max=25.0)
+    other = simulate.run(world, THESIS, controller, (1, 1), (19, 19), rng=8, t_max=25.0, **noisy)
     assert not same(runs[0], other)
 
 
@@ -126,7 +132,9 @@ def test_noise_does_not_change_how_the_movers_walk() -> None:
     world = World(bounds=(0, 20, 0, 20), movers=(Mover.wander((8, 12), 0.5, 0.3),))
     standing = Steady((0.0, 0.0))
     plain = simulate.run(world, THESIS, standing, (1, 1), (19, 19), rng=3, t_max=10.0)
-    noisy = simulate.run(world, THESIS, standing, (1, 1), (19, 19), rng=3, t_max=10.0, sensors=Sensing(range_noise=0.1))
+    noisy = simulate.run(
+        world, THESIS, standing, (1, 1), (19, 19), rng=3, t_max=10.0, laser=replace(IDEAL_LASER, noise=0.1)
+    )
     np.testing.assert_array_equal(plain.log["movers"], noisy.log["movers"])
 
 
@@ -245,7 +253,7 @@ def test_ideal_scan_lies_on_the_surfaces() -> None:
 def test_tracker_tells_the_velocity_of_movers_only() -> None:
     spy = Spy((0.0, 0.0))
     world = World(discs=[[3.0, 1.0, 0.5]], movers=(Mover.constant((3, -2), (0.0, 0.4), 0.3),))
-    simulate.run(world, THESIS, spy, (0, 0, 0), (9, 0), t_max=1.0, sensors=Sensing(velocities=True))
+    simulate.run(world, THESIS, spy, (0, 0, 0), (9, 0), t_max=1.0, track_movers=True)
     o = spy.seen[0]
     fast = np.hypot(*o.point_velocities.T) > 0
     assert 0 < fast.sum() < fast.size
@@ -256,7 +264,7 @@ def test_tracker_tells_the_velocity_of_movers_only() -> None:
 def test_drifting_odometry_believes_wrongly_and_noise_moves_the_points() -> None:
     spy = Spy()
     world = World(discs=[[6.0, 2.0, 0.5]])
-    run = simulate.run(world, THESIS, spy, (0, 0, 0), (60, 0), t_max=9.0, sensors=Sensing(speed_bias=(0.05, 0.0)))
+    run = simulate.run(world, THESIS, spy, (0, 0, 0), (60, 0), t_max=9.0, odometry=Odometry(bias=(0.05, 0.0)))
     assert run.log["believed"][-1, 0] == pytest.approx(1.05 * run.poses[-1, 0])
     assert np.abs(world.clearance(spy.seen[-1].points)).max() > 0.2
     exact = simulate.run(world, THESIS, Spy(), (0, 0, 0), (60, 0), t_max=9.0)
@@ -265,7 +273,7 @@ def test_drifting_odometry_believes_wrongly_and_noise_moves_the_points() -> None
 
 def test_no_scanner_no_points() -> None:
     spy = Spy()
-    simulate.run(rocks(1), THESIS, spy, (1, 1), (19, 19), t_max=0.5, sensors=Sensing(beams=0))
+    simulate.run(rocks(1), THESIS, spy, (1, 1), (19, 19), t_max=0.5, laser=None)
     assert spy.seen[0].points.shape == (0, 2)
 
 
@@ -372,12 +380,105 @@ def test_a_controller_that_answers_nonsense_is_named() -> None:
             simulate.run(EMPTY, THESIS, Steady(wish), (0, 0), (5, 0))
 
 
-@pytest.mark.parametrize(
-    "wrong", [{"beams": -1}, {"range_max": 0.0}, {"range_noise": -1.0}, {"dropout": 1.0}, {"field_of_view": 7.0}]
-)
-def test_bad_sensing_is_refused(wrong: dict) -> None:
-    with pytest.raises(ValueError, match=r"."):
-        Sensing(**wrong)
+@pytest.mark.parametrize("wrong", [{"noise": (-0.1, 0.0)}, {"noise": (0.1,)}, {"bias": (np.nan, 0.0)}])
+def test_bad_odometry_is_refused(wrong: dict) -> None:
+    with pytest.raises(ValueError, match=f"Odometry.{next(iter(wrong))}"):
+        Odometry(**wrong)
+
+
+def test_what_is_no_controller_is_named() -> None:
+    class Nameless:
+        def __call__(self, observation):
+            return 0.0, 0.0
+
+    with pytest.raises(ValueError, match=r"reset.*status.*evidence"):
+        simulate.run(EMPTY, THESIS, Nameless(), (0, 0), (5, 0))
+
+
+def test_a_controller_cannot_change_the_truth() -> None:
+    class Meddler(Steady):
+        """Writes into everything it is told, and uses one array for all its commands."""
+
+        def reset(self) -> None:
+            self.wish_array = np.zeros(2)
+
+        def __call__(self, observation):
+            for array in (observation.velocity, observation.pose, observation.goal, observation.ranges):
+                array[:] = 7.0
+            self.wish_array += (0.1, 0.05)
+            return self.wish_array
+
+    run = simulate.run(EMPTY, THESIS, Meddler(), (0, 0, 0), (50, 0), t_max=2.0)
+    assert respects_limits(np.vstack([[0.0, 0.0], run.commands]), 0.1, THESIS)
+    np.testing.assert_allclose(run.log["wish"], np.arange(1, 21)[:, None] * [0.1, 0.05])
+    np.testing.assert_array_equal(run.goal, [50, 0])
+
+
+# --- disturbances -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("change", [
+    {"slip": 0.3}, {"delay": 0.3}, {"right_radius": 0.05}, {"left_radius": -0.05}, {"motor_lag": 0.3},
+])  # fmt: skip
+def test_every_disturbance_of_the_plant_bends_the_way(change: dict) -> None:
+    plain = simulate.run(EMPTY, THESIS, Steady(), (0, 0, 0), None, t_max=5.0, laser=None)
+    bent = simulate.run(
+        EMPTY, THESIS, Steady(), (0, 0, 0), None, t_max=5.0, laser=None, disturbance=Disturbance(**change)
+    )
+    np.testing.assert_array_equal(plain.commands, bent.commands)
+    assert plain.driven is plain.commands
+    assert np.abs(plain.poses[-1] - bent.poses[-1]).max() > 0.01
+    np.testing.assert_allclose(bent.poses[1], move(bent.poses[0], bent.driven[0], 0.1), atol=1e-15)
+
+
+def test_the_noise_of_the_measured_pose_stays_out_of_the_truth() -> None:
+    spy, noise = Spy(), Disturbance(position_noise=0.1, heading_noise=0.2)
+    run = simulate.run(EMPTY, THESIS, spy, (0, 0, 0), None, t_max=60.0, laser=None, disturbance=noise)
+    np.testing.assert_array_equal(run.poses[:, 1:], 0.0)
+    gaps = np.array([o.pose for o in spy.seen]) - run.poses[:-1]
+    np.testing.assert_allclose(gaps.std(axis=0), [0.1, 0.1, 0.2], rtol=0.15)
+
+
+def test_a_run_begins_with_the_speed_it_is_given() -> None:
+    run = simulate.run(
+        EMPTY, THESIS, Steady((0.5, 0.0)), (0, 0, 0), None, t_max=1.0, laser=None, loop=Loop(velocity=(0.5, 0.0))
+    )
+    assert run.length == pytest.approx(0.5)
+    assert run.status == "timeout"
+
+
+def test_a_late_command_acts_late_and_the_first_speed_holds_meanwhile() -> None:
+    run = simulate.run(
+        EMPTY, TURTLEBOT2, Steady((0.2, 0.0)), (0, 0, 0), None, t_max=1.0, laser=None,
+        disturbance=Disturbance(delay=0.3), loop=Loop(velocity=(0.1, 0.0)),
+    )  # fmt: skip
+    np.testing.assert_allclose(run.driven[:4, 0], [0.1, 0.1, 0.1, 0.2])
+
+
+def test_a_scanner_that_is_dead_sees_nothing_and_says_so() -> None:
+    spy = Spy()
+    simulate.run(rocks(1), THESIS, spy, (1, 1), (19, 19), t_max=0.5, laser=replace(IDEAL_LASER, beams=0))
+    assert spy.seen[0].ranges.shape == (0,)
+    assert spy.seen[0].points.shape == (0, 2)
+
+
+# --- against a reference ----------------------------------------------------------------------------
+
+
+def test_a_run_knows_its_errors_against_a_reference() -> None:
+    run = circle()
+    with pytest.raises(ValueError, match="followed no reference"):
+        _ = run.errors
+    shifted = run.poses + [0.3, -0.4, 2 * np.pi + 0.1]
+    led = replace(run, log={"wanted": shifted})
+    np.testing.assert_allclose(led.errors, np.tile([0.3, -0.4, 0.1], (64, 1)), atol=1e-9)
+    assert led.rms_distance == pytest.approx(0.5)
+    assert led.max_distance == pytest.approx(0.5)
+    np.testing.assert_allclose(led.rms, [0.3, 0.4, 0.1])
+    late = led.after(3.0)
+    assert (len(late.t), len(late.commands), late.t[0]) == (34, 33, pytest.approx(3.0))
+    assert len(late.wanted) == 34
+    assert led.effort(TURTLEBOT2) == 0.0
 
 
 def test_grid_world_ends_at_its_walls() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fuzzynav import blend, course, lab, plot, published
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.studies.blend import blocks as study
 from fuzzynav.studies.blend import claims
 from fuzzynav.tracking.reference import FigureEight

@@ -5,13 +5,14 @@ import pytest
 
 from fuzzynav import batch, published, simulate
 from fuzzynav.dwa import weights as fuzzy_dwa
-from fuzzynav.dwa.decision import Controller, Params
-from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped, tables_of
+from fuzzynav.dwa.controller import Controller
+from fuzzynav.dwa.fast import RULES, drive, shipped, tables_of
+from fuzzynav.dwa.steps import Params
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import THESIS
-from fuzzynav.simulate.loop import Sensing
+from fuzzynav.robot import THESIS
+from fuzzynav.sensors import Laser
 from fuzzynav.studies.dwa import claims, comparison, safety, tuning
-from fuzzynav.world.world import Mover, World
+from fuzzynav.world import Mover, World
 
 
 def recompute(name: str, share: float = 0.01) -> list[str]:
@@ -44,31 +45,31 @@ def test_compiled_loop_on_a_field_equals_the_open_one(case: str, rules: str | No
     world, field = comparison._scene(case)
     weigh = fuzzy_dwa.FuzzyWeights(FuzzySystem.load(RULES / f"{rules}.fll")) if rules else None
     controller = Controller(THESIS, weigh=weigh, field=field)
-    open_ = simulate.run(world, THESIS, controller, comparison.START, comparison.GOAL, sensors=BLIND)
+    open_ = simulate.run(world, THESIS, controller, comparison.START, comparison.GOAL, laser=None)
     made = drive(world, comparison.START, comparison.GOAL, field=field, rules=shipped(rules) if rules else None)
     assert made.status == open_.status
     assert made.iterations == open_.iterations
     np.testing.assert_allclose(made.poses, open_.poses, atol=1e-9)
     np.testing.assert_allclose(made.clearance, open_.clearance, atol=1e-9)
-    assert made.uncovered == open_.log["uncovered"].sum()
+    np.testing.assert_array_equal(made.log["uncovered"], open_.log["uncovered"])
 
 
 @pytest.mark.parametrize("seed", range(6))
 def test_compiled_loop_with_a_scanner_equals_the_open_one(seed: int) -> None:
-    world, robot, params, start, goal, sensors = safety.case_of(seed)
+    world, robot, params, start, goal, laser = safety.case_of(seed)
     open_ = safety.open_run(seed)
-    made = drive(world, start, goal, params, robot=robot, sensors=sensors, t_max=safety.T_MAX, loop=safety.ENDS)
+    made = drive(world, start, goal, params, robot=robot, laser=laser, t_max=safety.T_MAX, loop=safety.ENDS)
     assert (made.status, made.iterations) == (open_.status, open_.iterations)
     np.testing.assert_allclose(made.poses, open_.poses, atol=1e-9)
     assert made.min_clearance == pytest.approx(open_.min_clearance, abs=1e-9)
-    assert made.braking == open_.log["braking"].sum()
+    np.testing.assert_array_equal(made.log["braking"], open_.log["braking"])
 
 
 def test_compiled_loop_refuses_what_it_does_not_know() -> None:
     world = World(movers=(Mover.constant((5, 0), (0, 0.1), 0.3),))
-    for change in ({"world": world}, {"sensors": Sensing(range_noise=0.1)}):
+    for change in ({"world": world}, {"laser": Laser(noise=0.1)}):
         with pytest.raises(ValueError, match="compiled loop"):
-            drive(change.get("world", World()), (0, 0), (5, 0), sensors=change.get("sensors", BLIND))
+            drive(change.get("world", World()), (0, 0), (5, 0), laser=change.get("laser"))
 
 
 # --- safety ------------------------------------------------------------------------------------------
@@ -148,7 +149,7 @@ def test_a_base_with_equal_rules_is_a_fixed_set() -> None:
     fuzzy = comparison.go("0.05/3", Params(weights=weights), rules)
     assert fuzzy.status == fixed.status
     np.testing.assert_allclose(fuzzy.poses, fixed.poses, atol=1e-6)
-    assert fuzzy.uncovered == 0
+    assert not fuzzy.log["uncovered"].any()
 
 
 def test_evolution_finds_the_bottom_of_a_bowl() -> None:

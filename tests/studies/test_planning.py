@@ -11,9 +11,9 @@ from fuzzynav.planning import astar
 from fuzzynav.smoothing import simplify
 from fuzzynav.studies import smoothing as study
 from fuzzynav.studies.planning import claims, maps, random_maps
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4
 
-MAPS = {s.name: s for s in (*CHAPTER_3.values(), *CHAPTER_4.values())}
+MAPS = {s.name: s for s in (*SCENES_3.values(), *SCENES_4.values())}
 
 
 def printed(claim: str) -> float:
@@ -23,7 +23,7 @@ def printed(claim: str) -> float:
 @pytest.mark.parametrize("ties", ["fifo", "lifo", "low h"])
 @pytest.mark.parametrize("name", ["S1", "S2"])
 def test_table_3_4_in_full_whatever_the_ties(name: str, ties: str) -> None:
-    scene = replace(CHAPTER_3[name], traditional=replace(astar.TRADITIONAL, ties=ties))
+    scene = replace(SCENES_3[name], traditional=replace(astar.TRADITIONAL, ties=ties))
     before = maps.traditional(scene)
     after = maps.efficient(scene, replace(astar.EFFICIENT, ties=ties))
     for planner, found in (("TA", before), ("EA", after)):
@@ -36,7 +36,7 @@ def test_table_3_4_in_full_whatever_the_ties(name: str, ties: str) -> None:
 
 
 def test_scenario_1_without_corner_cutting_keeps_the_raw_reading() -> None:
-    scene = CHAPTER_3["S1 no cut"]
+    scene = SCENES_3["S1 no cut"]
     before, after = maps.traditional(scene), maps.efficient(scene)
     assert (len(before.nodes), before.search.searched, round(before.length, 2)) == (22, 35, 24.73)
     assert (len(after.nodes), after.search.searched, round(after.search.length, 2)) == (10, 29, 24.73)
@@ -45,7 +45,7 @@ def test_scenario_1_without_corner_cutting_keeps_the_raw_reading() -> None:
 
 @pytest.mark.parametrize(("name", "claim"), [("M1", "M1"), ("M1 Manhattan", "M1"), ("M2", "M2"), ("M2 cut", "M2")])
 def test_table_4_2_lengths(name: str, claim: str) -> None:
-    scene = CHAPTER_4[name]
+    scene = SCENES_4[name]
     before, after = maps.traditional(scene), maps.enhanced(scene)
     assert before.length == pytest.approx(printed(f"c-4.2-{claim}-TA-len"), abs=0.005)
     assert after.length == pytest.approx(printed(f"c-4.2-{claim}-EA-len"), abs=0.005)
@@ -56,7 +56,7 @@ def test_table_4_2_lengths(name: str, claim: str) -> None:
 def test_map_1_is_either_unsafe_or_its_traditional_path_is_not_optimal() -> None:
     assert study.grid_bound(printed("c-4.2-M1-EA-len")) < printed("c-4.2-M1-TA-len")
     assert study.grid_bound(printed("c-4.2-M2-EA-len")) > printed("c-4.2-M2-TA-len")
-    touching, manhattan = CHAPTER_4["M1"], CHAPTER_4["M1 Manhattan"]
+    touching, manhattan = SCENES_4["M1"], SCENES_4["M1 Manhattan"]
     assert smoothing.least_clearance(touching.grid.center_of(maps.enhanced(touching).nodes), touching.grid) < 0.01
     best = astar.search(manhattan.grid, manhattan.start, manhattan.goal, astar.OPTIMAL).length
     assert best == pytest.approx(23.971, abs=5e-4)
@@ -139,12 +139,3 @@ def test_what_the_study_says() -> None:
         < solved.groupby("density")["traditional_searched"].median()
     ).all()
     assert (solved["efficient_length"] > solved["dijkstra_length"] + 1e-4).groupby(solved["density"]).mean().min() > 0.1
-
-
-def test_study_resumes(tmp_path) -> None:
-    cases = random_maps.CASES[:2]
-    path = tmp_path / "part.csv"
-    first = random_maps.run_maps(cases[:1], path)
-    both = random_maps.run_maps(cases, path)
-    assert both.iloc[0]["traditional_us"] == first.iloc[0]["traditional_us"]  # not run again
-    assert len(both) == 2

@@ -50,16 +50,16 @@ def test_all_laws_are_tuned_with_the_same_budget_and_gain_from_it() -> None:
     assert (table["trials"] == budget).all()
     for method in ("DFL", "linear flatness", "Kanayama", "sliding mode", "PID + feed-forward"):
         plain = {
-            "DFL": tracking.Dfl,
-            "linear flatness": tracking.Flatness,
-            "Kanayama": tracking.Kanayama,
-            "sliding mode": tracking.Sliding,
-            "PID + feed-forward": tracking.Pid,
+            "DFL": tracking.Dfl(),
+            "linear flatness": tracking.Flatness(),
+            "Kanayama": tracking.Kanayama(),
+            "sliding mode": tracking.Sliding(),
+            "PID + feed-forward": tracking.Pid(),
         }[method]
         worth = float(table[table["case"] == method]["score"].iloc[0])
         tuned = rivals.build(method, rivals.PRACTICE, rivals.tuned(method))
         assert rivals.score(tuned) == pytest.approx(worth, rel=1e-3)
-        assert worth < rivals.score(plain(rivals.PRACTICE))
+        assert worth < rivals.score(tracking.Tracker(rivals.PRACTICE, plain))
 
 
 def test_one_percent_of_the_comparison_recomputed() -> None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from fuzzynav.geometry import compose, length, wrap
-from fuzzynav.robot.model import pose_rate
+from fuzzynav.robot import pose_rate
 from fuzzynav.tracking import curves, reference
 
 STOPS = curves.SpeedProfile([0, 2, 6, 8, 11, 13, 17, 19], [0, 0.3, 0.3, 0, 0, -0.3, -0.3, 0])

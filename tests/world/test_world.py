@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.world.world import Mover, World, movers_start, movers_step
+from fuzzynav.world import Mover, World, movers_start, movers_step
 
 relaxed = settings(deadline=None, max_examples=40)
 SEEDS = st.integers(0, 2**32)
@@ -263,3 +263,10 @@ def test_steps_do_not_change_the_state_they_start_from():
 def test_bad_worlds_are_refused(make, words):
     with pytest.raises(ValueError, match=words):
         make()
+
+
+def test_a_world_cannot_be_changed_behind_its_back() -> None:
+    world = World(discs=[[1.0, 1.0, 0.2]], rectangles=[[2.0, 2.0, 0.2, 0.2, 0.1]], unknown_discs=[[3.0, 3.0, 0.5]])
+    for array in (world.discs, world.rectangles, world.unknown_discs, *world.scene):
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0

@@ -17,7 +17,7 @@ __all__ = ["ANSWERS"]
 
 
 def _paint() -> str:
-    scene = maps.CHAPTER_3["S1"]
+    scene = maps.SCENES_3["S1"]
     occupied = np.array(scene.grid.occupied)
     occupied[12, 11] = True
     grid = GridMap(occupied, scene.grid.resolution, scene.grid.origin)
@@ -28,7 +28,7 @@ def _paint() -> str:
 
 
 def _choose() -> str:
-    scene = maps.CHAPTER_4["M2"]
+    scene = maps.SCENES_4["M2"]
 
     def found(heuristic: str, weight: float) -> astar.SearchResult:
         return astar.search(
@@ -54,7 +54,7 @@ def _film() -> str:
 
 
 def _safety() -> str:
-    scene = maps.CHAPTER_4["M2 cut"]
+    scene = maps.SCENES_4["M2 cut"]
     rows = {}
     for radius in (0.5, 0.55, 0.75, 0.85):
         options = replace(astar.ENHANCED, safety_radius=radius)

@@ -58,7 +58,7 @@ def _window() -> str:
         bounds=(0, 16, 0, 16),
         movers=(Mover.patrol([(11, 7), (6, 12)], 0.4, 0.3, yield_distance=1.5),),
     )
-    driver = dwa.Controller(THESIS, dwa.CHAPTER_4, keep=True)
+    driver = dwa.Controller(THESIS, dwa.TABLE_4_1, keep=True)
     run = simulate.run(yard, THESIS, driver, (1, 1), (14, 14), rng=1)
     refused = np.array([1.0 - float(np.mean(plan.admissible)) for plan in driver.plans])
     slower = np.flatnonzero(np.diff(run.commands[:, 0]) < -1e-6) + 1

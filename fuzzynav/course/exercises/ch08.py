@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzynav.blend.controllers import reach_of, table_5_1
+from fuzzynav.blend import reach_of, table_5_1
 from fuzzynav.course.exercise import Exercise, Wrong
 from fuzzynav.course.exercises.answers import close, integers, named, number, numbers, truth
 from fuzzynav.geometry import Array

@@ -169,15 +169,12 @@ def gap_lab(figure: Figure) -> Update:
 
 def widened(system: FuzzySystem, width: float) -> FuzzySystem:
     """The system with the feet of its input triangles moved away from the peaks by the factor `width`."""
-
-    def wide(variable: Variable) -> Variable:
-        terms = []
+    changed = {}
+    for variable in system.inputs:
         for term in variable.terms:
             a, b, c = term.parameters
-            terms.append(replace(term, parameters=(b - width * (b - a), b, b + width * (c - b))))
-        return replace(variable, terms=tuple(terms))
-
-    return replace(system, inputs=tuple(wide(v) for v in system.inputs))
+            changed[variable.name, term.name] = (b - width * (b - a), b, b + width * (c - b))
+    return system.with_terms(changed)
 
 
 def _weight_words(system: FuzzySystem, head_goal: float, dist_obs: float, vel_rob: float) -> str:

@@ -21,8 +21,8 @@ from fuzzynav.localization.kalman import (
 from fuzzynav.mapping.occupancy import InverseSensor, empty, update
 from fuzzynav.plot.base import COLORS, draw_grid, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.maps import draw_ellipses, draw_nees, draw_occupancy, draw_swarm, ellipse_lines, place_swarm
-from fuzzynav.robot.model import TURTLEBOT2
-from fuzzynav.sensors.scene import Laser, dead_reckon
+from fuzzynav.robot import TURTLEBOT2
+from fuzzynav.sensors import Laser, dead_reckon
 from fuzzynav.studies import localization as study
 
 __all__ = ["STORIES", "doubt_lab", "ekf_lab", "occupancy_lab", "swarm_lab"]

@@ -15,9 +15,9 @@ from matplotlib.patches import Circle, Polygon
 from fuzzynav.geometry import wrap
 from fuzzynav.plot.base import COLORS, draw_grid, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.sensors import draw_beams, place_beams
-from fuzzynav.robot.model import TURTLEBOT2
+from fuzzynav.robot import TURTLEBOT2
+from fuzzynav.sensors import Encoders, Laser, Sonar, dead_reckon, laser_scan, sonar_cone
 from fuzzynav.sensors.cameras import Stereo, disparity, stereo_reading, stereo_sigma
-from fuzzynav.sensors.scene import Encoders, Laser, Sonar, dead_reckon, laser_scan, sonar_cone
 from fuzzynav.studies.sensors import believed_run, room, square_motions, wall
 
 __all__ = ["laser_lab", "sonar_lab", "stereo_lab", "wheel_error_lab"]

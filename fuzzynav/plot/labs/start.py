@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from fuzzynav.geometry import Array
 from fuzzynav.plot.base import draw_path, draw_robot, metric_axes
-from fuzzynav.robot.model import TURTLEBOT2, Robot, body_speeds, move, wheel_speeds
+from fuzzynav.robot import TURTLEBOT2, Robot, body_speeds, move, wheel_speeds
 
 __all__ = ["LAP_FRAMES", "odometry_error", "odometry_lab", "odometry_lap"]
 

@@ -1,4 +1,4 @@
-"""Chapter 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
+"""Thesis 5, avoidance: the printed numbers, measured. Block, d0 and gate are ours where the thesis is silent."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from functools import cache
 import numpy as np
 
 from fuzzynav import blend
-from fuzzynav.robot.model import PIONEER_3DX
+from fuzzynav.robot import PIONEER_3DX
+from fuzzynav.simulate.record import Run
 from fuzzynav.studies.blend import blocks
-from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
 from fuzzynav.studies.tracking.claims import EXPERIMENT, SIMULATION, simulation_run
 
 __all__ = [
@@ -29,25 +31,25 @@ FITTED_EXPERIMENT = blend.PrintedScheme(gate=np.pi / 2.0, d0=0.6)
 
 
 @cache
-def avoidance_simulation() -> blend.FuzzyRun:
+def avoidance_simulation() -> Run:
     """The thesis' simulation with one block, fitted to the printed length: Euler steps, gate widened to 90 deg."""
     return blend.drive(FITTED, SIMULATION_BLOCK, reference=SIMULATION, limited=False, euler=True)
 
 
 @cache
-def avoidance_experiment() -> blend.FuzzyRun:
+def avoidance_experiment() -> Run:
     """An imitation of the experiment with one block: one lap of amplitude 1.25 m, without noise."""
     return blend.drive(
         FITTED_EXPERIMENT, EXPERIMENT_BLOCK, reference=EXPERIMENT, robot=PIONEER_3DX, limited=False, euler=True
     )
 
 
-def avoidance_window(run: blend.FuzzyRun) -> tuple[float, float]:
+def avoidance_window(run: Run) -> tuple[float, float]:
     """First and last time [s] at which avoidance had a part in the command.
 
     Raises ValueError if it never had.
     """
-    active = run.t[:-1][run.weight > 0.0]
+    active = blend.avoidance_times(run)
     if not len(active):
         raise ValueError("avoidance had no part in this run")
     return float(active[0]), float(active[-1])
@@ -64,7 +66,7 @@ def _begins_as_printed() -> bool:
 
 def _speed_is_kept() -> bool:
     """Whether the speed during avoidance equals that of the tracker's integrator, as remark 1 says of v_a = 0."""
-    kept = blend.blend([0.2, 0.0], [0.0, 1.0], 0.5)[0]
+    kept = blend.mixed([0.2, 0.0], [0.0, 1.0], 0.5)[0]
     return bool(abs(kept - 0.2) < 1e-9)
 
 
@@ -140,7 +142,15 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     ),
 )
 
+_BASE = ("fuzzy/thesis_table_5_1.fll",)
+
 STUDIES: tuple[Study, ...] = (
-    Study("avoidance_blocks", blocks.run_blocks),
-    Study("avoidance_movers", blocks.run_movers),
-)
+    Study(
+        name="avoidance_blocks", experiment=blocks.one_block, cases=blocks.BLOCK_CASES, inputs=_BASE,
+        tolerance={"": (2e-3, 2e-3)}, parameters={"seeds": "0 to 999", "laps": 2},
+    ),
+    Study(
+        name="avoidance_movers", experiment=blocks.one_mover, cases=blocks.MOVER_CASES, inputs=_BASE,
+        tolerance={"": (2e-3, 2e-3)}, parameters={"seeds": "0 to 199", "laps": 2},
+    ),
+)  # fmt: skip

@@ -1,4 +1,4 @@
-"""Thesis chapter 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
+"""Thesis 3, local planning: our choices for figures 3.15 and 3.16 and table 3.5, and what was measured.
 
 The thesis prints neither the map, nor start and goal, dt, d_max, robot radius, goal tolerance, or any membership
 breakpoint. Ours: random maps of 20 x 20 cells; the one shown is the map, among the maps searched, on which both
@@ -13,18 +13,21 @@ from typing import Any
 
 import numpy as np
 
-from fuzzynav import batch, documents, simulate
-from fuzzynav.dwa.decision import Controller, Field, Plan
-from fuzzynav.dwa.fast import BLIND, RULES, drive, shipped
-from fuzzynav.dwa.steps import CHAPTER_3
+from fuzzynav import documents, simulate
+from fuzzynav.control import Observation
+from fuzzynav.dwa.controller import Controller
+from fuzzynav.dwa.decision import Field, Plan
+from fuzzynav.dwa.fast import RULES, drive, shipped
+from fuzzynav.dwa.steps import TABLE_3_3
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.robot.model import THESIS
+from fuzzynav.robot import THESIS
 from fuzzynav.simulate.record import Run
 from fuzzynav.studies.dwa import comparison, safety, tuning
-from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, RESULTS, START, TIME_LIMIT, random_map
-from fuzzynav.studies.reproduction import Reproduction, Study
-from fuzzynav.world.world import Observation, World
+from fuzzynav.studies.dwa.comparison import GOAL, MID_RANGE, START, TIME_LIMIT, random_map
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
+from fuzzynav.world import World
 
 __all__ = [
     "AS_THESIS",
@@ -42,7 +45,7 @@ __all__ = [
     "weight_words",
 ]
 
-AS_THESIS = replace(CHAPTER_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
+AS_THESIS = replace(TABLE_3_3, distance="end")  # Dist from the end of the arc, as printed; braking on the arc
 CASE = "0.05/30136"  # found by the study dwa_scenes
 SCENES = tuple(f"{density}/{seed}" for seed in range(30000, 30250) for density in ("0.05", "0.10"))
 OURS = "map, start, goal, dt 0.1 s, radius 0.3 m, d_max 2 m, goal tolerance 0.5 m, breakpoints, default weights"
@@ -77,7 +80,7 @@ def _controller(fuzzy: bool, keep: bool) -> Controller:
 @cache
 def _run(fuzzy: bool) -> tuple[Run, tuple[Plan, ...]]:
     controller = _controller(fuzzy, keep=True)
-    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, sensors=BLIND)
+    run = simulate.run(scene()[0], THESIS, controller, START, GOAL, t_max=TIME_LIMIT, laser=None)
     return run, tuple(controller.plans)
 
 
@@ -132,11 +135,6 @@ def two_planners(case: str) -> dict[str, Any]:
 
 def _printed(name: str) -> float:
     return float(documents.claim(f"thesis:{name}").value)
-
-
-def run_scenes() -> None:
-    """Search the map of figure 3.15; writes data/results/dwa_scenes.csv."""
-    batch.run(two_planners, SCENES, path=RESULTS / "dwa_scenes.csv")
 
 
 # --- what was printed -------------------------------------------------------------------------------
@@ -228,12 +226,39 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     ),
 )
 
+_CLOSE = {"": (2e-3, 2e-3)}  # rows are rounded to the millimetre
+_FIXED, _TUNED = "results/dwa_fixed_search.csv", "fuzzy/ours_dwa_tuned.fll"
+_BASES = ("fuzzy/thesis_table_3_2.fll", "fuzzy/thesis_table_3_2_completed.fll")
+_DENSITIES = {"densities": list(comparison.DENSITIES)}
+
 STUDIES: tuple[Study, ...] = (
-    Study("dwa_scenes", run_scenes),
-    Study("dwa_fixed_search", comparison.run_fixed_search),
-    Study("dwa_tuning", tuning.run_tuning),
-    Study("dwa_comparison", comparison.run_comparison),
-    Study("dwa_comparison_tuned", comparison.run_tuned_comparison),
-    Study("dwa_safety", safety.run_safety),
-    Study("dwa_noise", safety.run_noisy),
-)
+    Study(
+        name="dwa_scenes", experiment=two_planners, cases=SCENES, inputs=_BASES[:1], tolerance=_CLOSE,
+        parameters={"densities": ["0.05", "0.10"], "seeds": "30000 to 30249"},
+    ),
+    Study(
+        name="dwa_fixed_search", experiment=comparison.score_weights, cases=comparison.fixed_weights(),
+        tolerance=_CLOSE, parameters={**_DENSITIES, "seeds": "10000 to 10024", "step": 0.05},
+    ),
+    Study(
+        name="dwa_tuning", experiment=tuning.score_generation, cases=tuning.generations, inputs=(_FIXED,),
+        tolerance=_CLOSE, after=tuning.save_best,
+        parameters={**_DENSITIES, "generations": tuning.GENERATIONS, "seeds": "10000 to 10024, held 20000 to 20049"},
+    ),
+    Study(
+        name="dwa_comparison", experiment=comparison.compare, cases=comparison.CASES, inputs=(*_BASES, _FIXED),
+        tolerance=_CLOSE, parameters={**_DENSITIES, "seeds": "0 to 499"},
+    ),
+    Study(
+        name="dwa_comparison_tuned", experiment=comparison.compare_tuned, cases=comparison.CASES,
+        inputs=(_TUNED, _FIXED), tolerance=_CLOSE, parameters={**_DENSITIES, "seeds": "0 to 499"},
+    ),
+    Study(
+        name="dwa_safety", experiment=safety.outcome, cases=range(safety.SEEDS), tolerance=_CLOSE,
+        parameters={"seeds": "0 to 9999", "seconds": safety.T_MAX},
+    ),
+    Study(
+        name="dwa_noise", experiment=safety.noisy_outcome, cases=range(safety.NOISY_SEEDS), tolerance=_CLOSE,
+        parameters={"seeds": "0 to 59", "seconds": safety.T_MAX},
+    ),
+)  # fmt: skip

@@ -16,12 +16,13 @@ from scipy import ndimage
 from fuzzynav import batch
 from fuzzynav.data import folder
 from fuzzynav.dwa.decision import Field
-from fuzzynav.dwa.fast import Drive, drive, shipped
-from fuzzynav.dwa.steps import CHAPTER_3, CHAPTER_4, Params
+from fuzzynav.dwa.fast import drive, shipped
+from fuzzynav.dwa.steps import TABLE_3_3, TABLE_4_1, Params
 from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.robot.model import THESIS
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS
+from fuzzynav.simulate.record import Run
+from fuzzynav.world import World
 
 __all__ = [
     "CASES",
@@ -43,9 +44,6 @@ __all__ = [
     "penalised",
     "penalised_gain",
     "random_map",
-    "run_comparison",
-    "run_fixed_search",
-    "run_tuned_comparison",
     "score_weights",
 ]
 
@@ -91,17 +89,17 @@ def _joined(grid: GridMap) -> bool:
 def methods() -> dict[str, tuple[Params, Tables | None]]:
     """The ways of weighting that are compared."""
     return {
-        "printed .8 .1 .1": (CHAPTER_3, None),
+        "printed .8 .1 .1": (TABLE_3_3, None),
         "equal": (Params(weights=(1 / 3, 1 / 3, 1 / 3)), None),
-        "chapter 4 .05 .2 .3": (CHAPTER_4, None),
+        "chapter 4 .05 .2 .3": (TABLE_4_1, None),
         "best fixed": (Params(weights=best_fixed()), None),
-        "fuzzy 9, else printed": (CHAPTER_3, shipped("thesis_table_3_2")),
+        "fuzzy 9, else printed": (TABLE_3_3, shipped("thesis_table_3_2")),
         "fuzzy 9, else mid-range": (Params(weights=MID_RANGE), shipped("thesis_table_3_2")),
-        "fuzzy 27": (CHAPTER_3, shipped("thesis_table_3_2_completed")),
+        "fuzzy 27": (TABLE_3_3, shipped("thesis_table_3_2_completed")),
     }
 
 
-def go(case: str, params: Params, rules: Tables | None) -> Drive:
+def go(case: str, params: Params, rules: Tables | None) -> Run:
     """One run of one method on one map."""
     world, field = _scene(case)
     return drive(world, START, GOAL, params, field=field, rules=rules, t_max=TIME_LIMIT)
@@ -137,12 +135,12 @@ def _row(case: str, name: str, params: Params, rules: Tables | None) -> dict[str
         "length": round(made.length, 3),
         "iterations": made.iterations,
         "clearance": round(made.min_clearance, 3),
-        "uncovered": made.uncovered,
+        "uncovered": int(made.log["uncovered"].sum()),
         "time": round(penalised(made), 1),
     }
 
 
-def penalised(made: Drive) -> float:
+def penalised(made: Run) -> float:
     """Time to the goal [s]; a run that does not arrive counts twice the limit."""
     return made.iterations * made.dt if made.status == "reached" else 2.0 * TIME_LIMIT
 
@@ -180,26 +178,11 @@ def best_fixed() -> tuple[float, float, float]:
     return a, b, c
 
 
-def run_fixed_search() -> None:
-    """Search the best fixed weights; writes data/results/dwa_fixed_search.csv."""
-    batch.run(score_weights, fixed_weights(), path=RESULTS / "dwa_fixed_search.csv")
-
-
-def run_comparison() -> None:
-    """Compare all methods on 500 maps for each density; writes data/results/dwa_comparison.csv."""
-    batch.run(compare, CASES, path=RESULTS / "dwa_comparison.csv")
-
-
-def run_tuned_comparison() -> None:
-    """The tuned rule base on the same maps; writes data/results/dwa_comparison_tuned.csv."""
-    batch.run(compare_tuned, CASES, path=RESULTS / "dwa_comparison_tuned.csv")
-
-
 def comparison(scored: str = "arc") -> pd.DataFrame:
     """The stored comparison, for one way of scoring the distance; the base was tuned for the way along the arc."""
     names = ("dwa_comparison", "dwa_comparison_tuned")
     table = pd.concat([batch.read(RESULTS / f"{name}.csv") for name in names], ignore_index=True)
-    return table[table["scored"] == scored].drop(columns="scored")
+    return table[table["scored"] == scored].drop(columns="scored").astype({"density": float})
 
 
 def penalised_gain(table: pd.DataFrame, first: str, second: str) -> tuple[float, float, float]:

@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from fuzzynav import batch, simulate
-from fuzzynav.data import folder
-from fuzzynav.dwa.decision import Controller, Stuck
+from fuzzynav import simulate
+from fuzzynav.dwa.controller import Controller, Stuck
 from fuzzynav.dwa.fast import drive
 from fuzzynav.dwa.steps import Params
 from fuzzynav.geometry import Array
-from fuzzynav.robot.model import THESIS, Robot
-from fuzzynav.simulate.loop import Loop, Sensing
-from fuzzynav.world.world import World
+from fuzzynav.robot import THESIS, Robot
+from fuzzynav.sensors import EXACT, Laser, Odometry
+from fuzzynav.simulate.loop import IDEAL_LASER, Loop
+from fuzzynav.world import World
 
 __all__ = [
     "NOISE",
@@ -28,13 +28,10 @@ __all__ = [
     "noisy_outcome",
     "open_run",
     "outcome",
-    "run_noisy",
-    "run_safety",
     "setting",
     "world_of",
 ]
 
-RESULTS = folder("results")
 SEEDS = 10_000
 NOISY_SEEDS = 60
 T_MAX = 40.0  # [s]
@@ -42,13 +39,14 @@ ENDS = Loop(stall_time=5.0)
 REMEDIES = ("none", "margin 0.1 m", "window on the command")
 SIZE = 16.0  # [m]
 CORNERS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (1.0, 1.0, 1.0), (1.0, 0.0, 1.0))
+UNEVEN = Odometry(noise=(0.05, 0.05))
 NOISE = {
-    "ideal": Sensing(),
-    "scan 2 cm": Sensing(range_noise=0.02),
-    "scan 5 cm": Sensing(range_noise=0.05),
-    "odometry 5 %": Sensing(speed_noise=(0.05, 0.05)),
-    "odometry bias 5 %": Sensing(speed_bias=(-0.05, 0.0)),
-    "scan 2 cm, odometry 5 %": Sensing(range_noise=0.02, speed_noise=(0.05, 0.05), dropout=0.02),
+    "ideal": (IDEAL_LASER, EXACT),
+    "scan 2 cm": (replace(IDEAL_LASER, noise=0.02), EXACT),
+    "scan 5 cm": (replace(IDEAL_LASER, noise=0.05), EXACT),
+    "odometry 5 %": (IDEAL_LASER, UNEVEN),
+    "odometry bias 5 %": (IDEAL_LASER, Odometry(bias=(-0.05, 0.0))),
+    "scan 2 cm, odometry 5 %": (replace(IDEAL_LASER, noise=0.02, dropout=0.02), UNEVEN),
 }
 
 
@@ -87,19 +85,19 @@ def setting(rng: np.random.Generator, corner: bool) -> tuple[Robot, Params]:
     return robot, Params(weights=weights, v_resolution=resolution, omega_resolution=omega_step)  # type: ignore[arg-type]
 
 
-def case_of(seed: int) -> tuple[World, Robot, Params, Array, Array, Sensing]:
+def case_of(seed: int) -> tuple[World, Robot, Params, Array, Array, Laser]:
     """Everything that the seed decides: world, robot, parameters, start, goal, and an ideal scan of the least range."""
     rng = np.random.default_rng([4, seed])
     robot, params = setting(rng, seed % 10 == 9)
     world, start, goal = world_of(rng, robot)
     reach = robot.max_vel_x**2 / (2.0 * robot.dec_lim_x) + robot.radius + 0.5
-    return world, robot, params, start, goal, Sensing(range_max=float(np.ceil(10.0 * reach) / 10.0))
+    return world, robot, params, start, goal, replace(IDEAL_LASER, range_max=float(np.ceil(10.0 * reach) / 10.0))
 
 
 def outcome(seed: int) -> dict[str, Any]:
     """The safety run of one seed, ideal sensing, on the compiled loop."""
-    world, robot, params, start, goal, sensors = case_of(int(seed))
-    made = drive(world, start, goal, params, robot=robot, sensors=sensors, t_max=T_MAX, loop=ENDS)
+    world, robot, params, start, goal, laser = case_of(int(seed))
+    made = drive(world, start, goal, params, robot=robot, laser=laser, t_max=T_MAX, loop=ENDS)
     w = params.weights
     return {
         "corner": int(int(seed) % 10 == 9),
@@ -110,28 +108,32 @@ def outcome(seed: int) -> dict[str, Any]:
         "contacts": int(made.status == "collided"),
         "clearance": round(made.min_clearance, 4),
         "iterations": made.iterations,
-        "braking": made.braking,
+        "braking": int(made.log["braking"].sum()),
         "metres": round(made.length, 2),
         "top_speed": round(float(np.abs(made.commands[:, 0]).max(initial=0.0)), 3),
     }
 
 
-def open_run(seed: int, noise: Sensing | None = None, remedy: str = "none", tries: int = 0) -> simulate.Run:
+def open_run(seed: int, noise: str = "", remedy: str = "none", tries: int = 0) -> simulate.Run:
     """The same case through `simulate.run`, where noise, a remedy and recovery are possible."""
-    world, robot, params, start, goal, sensors = case_of(seed)
-    if noise is not None:
-        sensors = replace(noise, beams=720, range_max=sensors.range_max)
+    world, robot, params, start, goal, laser = case_of(seed)
+    odometry = EXACT
+    if noise:
+        noisy, odometry = NOISE[noise]
+        laser = replace(noisy, beams=720, range_max=laser.range_max)
     params = replace(params, margin=0.1 if "margin" in remedy else 0.0)
     controller = Controller(robot, params, stuck=Stuck(tries=tries), on_command="command" in remedy)
-    return simulate.run(world, robot, controller, start, goal, t_max=T_MAX, sensors=sensors, rng=seed, loop=ENDS)
+    return simulate.run(
+        world, robot, controller, start, goal, t_max=T_MAX, laser=laser, odometry=odometry, rng=seed, loop=ENDS
+    )
 
 
 def noisy_outcome(seed: int) -> list[dict[str, Any]]:
     """The same world with every kind of noise and every remedy."""
     rows: list[dict[str, Any]] = []
-    for name, noise in NOISE.items():
+    for name in NOISE:
         for remedy in REMEDIES:
-            run = open_run(int(seed), noise, remedy)
+            run = open_run(int(seed), name, remedy)
             speed = abs(float(run.commands[-1, 0])) if run.contacts_moving else 0.0
             rows.append(
                 {
@@ -145,13 +147,3 @@ def noisy_outcome(seed: int) -> list[dict[str, Any]]:
                 }
             )
     return rows
-
-
-def run_safety() -> None:
-    """10,000 worlds with ideal sensing; writes data/results/dwa_safety.csv."""
-    batch.run(outcome, range(SEEDS), path=RESULTS / "dwa_safety.csv")
-
-
-def run_noisy() -> None:
-    """60 worlds with noise; writes data/results/dwa_noise.csv."""
-    batch.run(noisy_outcome, range(NOISY_SEEDS), path=RESULTS / "dwa_noise.csv")

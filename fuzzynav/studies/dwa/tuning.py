@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pandas as pd
 from numpy.typing import ArrayLike
 
-from fuzzynav import batch
 from fuzzynav.data import folder
 from fuzzynav.dwa.fast import tables_of
 from fuzzynav.dwa.steps import Params
@@ -19,9 +19,9 @@ from fuzzynav.fuzzy import FuzzySystem, Rule, Variable
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.variable import RuleBlock
 from fuzzynav.geometry import Array
-from fuzzynav.studies.dwa.comparison import DENSITIES, RESULTS, TRAINING, best_fixed, mean_score
+from fuzzynav.studies.dwa.comparison import DENSITIES, TRAINING, best_fixed, mean_score
 
-__all__ = ["VALIDATION", "evolve", "run_tuning", "start_vector", "system_of"]
+__all__ = ["VALIDATION", "evolve", "generations", "save_best", "score_generation", "start_vector", "system_of"]
 
 VALIDATION = tuple(f"{density}/{seed}" for density in DENSITIES for seed in range(20000, 20050))
 GENERATIONS = 32
@@ -154,22 +154,19 @@ def score_generation(case: str) -> dict[str, float]:
     }
 
 
-def run_tuning() -> None:
-    """Tune, write each generation's score to data/results/dwa_tuning.csv and the best on validation maps as .fll.
-
-    The evolution itself is not resumed: it is repeated from its seed when the file of scores is missing.
-    """
-    path = RESULTS / "dwa_tuning.csv"
+def generations() -> tuple[str, ...]:
+    """Every fourth generation of the evolution on the training maps, as cases; it takes minutes."""
     best = best_fixed()
-    if path.exists() and OUT.exists():
-        return
     base = Params(weights=best)
 
     def cost(vector: Array) -> float:
         return mean_score(base, tables_of(system_of(vector)), TRAINING)["time"]
 
     means = evolve(cost, start_vector(best), 0.5, GENERATIONS)
-    cases = [f"{k}:" + " ".join(f"{x:.5f}" for x in mean) for k, mean in enumerate(means)]
-    table = batch.run(score_generation, cases[::4], path=path)
+    return tuple(f"{k}:" + " ".join(f"{x:.5f}" for x in mean) for k, mean in enumerate(means))[::4]
+
+
+def save_best(table: pd.DataFrame) -> None:
+    """Write the generation that is best on the validation maps to data/fuzzy/ours_dwa_tuned.fll."""
     winner = str(table.sort_values(["held_time", "generation"])["case"].iloc[0])
     system_of(np.array([float(x) for x in winner.partition(":")[2].split()])).save(OUT)

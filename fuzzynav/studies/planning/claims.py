@@ -1,4 +1,4 @@
-"""Chapter 3 of the thesis, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
+"""Thesis 3, global planning: the printed numbers of Table 3.4 and the statements about A*, measured.
 
 What concerns the dynamic window stands in `chapter_3_dwa`.
 """
@@ -13,8 +13,9 @@ from fuzzynav import smoothing
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, heuristics
 from fuzzynav.studies.planning import maps, random_maps
-from fuzzynav.studies.planning.maps import CHAPTER_3, Planned, Scene
-from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4, Planned, Scene
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
 
 __all__ = ["REPRODUCTIONS", "STUDIES", "is_safe", "plan", "reduction", "smooth_is_continuous", "time_reduction"]
 
@@ -24,7 +25,7 @@ ROBOT_RADIUS = 0.3  # [m] ours: what a path must keep to count as safe
 @cache
 def plan(scene: str, planner: str) -> Planned:
     """The answer of "TA" (traditional) or "EA" (efficient) in scene "S1", "S2" or "S1 no cut"."""
-    return {"TA": maps.traditional, "EA": maps.efficient}[planner](CHAPTER_3[scene])
+    return {"TA": maps.traditional, "EA": maps.efficient}[planner](SCENES_3[scene])
 
 
 def _quantity(scene: str, planner: str, name: str) -> float:
@@ -57,7 +58,7 @@ def is_safe(scene: Scene, planned: Planned, radius: float = ROBOT_RADIUS) -> boo
 
 
 def _flag(scene: str, planner: str, name: str) -> str:
-    given, found = CHAPTER_3[scene], plan(scene, planner)
+    given, found = SCENES_3[scene], plan(scene, planner)
     good = is_safe(given, found) if name == "safe" else smooth_is_continuous(given, found, planner == "EA")
     return "Yes" if good else "No"
 
@@ -80,9 +81,9 @@ def large_weight_is_breadth_first() -> bool:
 
 def zero_heuristic_is_dijkstra() -> bool:
     """Whether H = 0 expands cells in the order of their distance from the start."""
-    order = astar.search(CHAPTER_3["S1"].grid, CHAPTER_3["S1"].start, CHAPTER_3["S1"].goal, astar.DIJKSTRA).expanded
-    grid = CHAPTER_3["S1"].grid
-    lengths = [astar.search(grid, CHAPTER_3["S1"].start, cell, astar.OPTIMAL).length for cell in order]
+    order = astar.search(SCENES_3["S1"].grid, SCENES_3["S1"].start, SCENES_3["S1"].goal, astar.DIJKSTRA).expanded
+    grid = SCENES_3["S1"].grid
+    lengths = [astar.search(grid, SCENES_3["S1"].start, cell, astar.OPTIMAL).length for cell in order]
     return bool((np.diff(lengths) >= -1e-9).all())
 
 
@@ -192,6 +193,14 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
 )
 
 STUDIES: tuple[Study, ...] = (
-    Study("astar_times", random_maps.run_times),
-    Study("astar_random_maps", random_maps.run_maps),
-)
+    Study(
+        name="astar_times", experiment=random_maps.times, cases=("S1", "S2", "M1", "M2"),
+        inputs=tuple(f"maps/{scene.name}.map" for scene in (*SCENES_3.values(), *SCENES_4.values())),
+        timed=("traditional_us", "better_us", "better_search_us"), parameters={"runs": 400},
+    ),
+    Study(
+        name="astar_random_maps", experiment=random_maps.one_map, cases=random_maps.CASES, tolerance={"": (0.0, 1e-4)},
+        timed=("traditional_us", "efficient_search_us", "efficient_us", "enhanced_us"),
+        parameters={"densities": list(random_maps.DENSITIES), "seeds": f"0 to {random_maps.MAPS - 1}"},
+    ),
+)  # fmt: skip

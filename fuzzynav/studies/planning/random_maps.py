@@ -1,4 +1,4 @@
-"""The planners of chapters 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
+"""The planners of thesis 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
 
 One row a map: cells searched, lengths [m] and times [us] of every planner, and the optimum of all. Times are the least
 of five runs, search and node removal together; everything else is the same on every computer.
@@ -7,10 +7,8 @@ of five runs, search and node removal together; everything else is the same on e
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -21,9 +19,9 @@ from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar, visibility
 from fuzzynav.planning.astar import Options, SearchResult
 from fuzzynav.smoothing import simplify
-from fuzzynav.studies.planning.maps import CHAPTER_3, CHAPTER_4, Scene, efficient, enhanced, random_scene, traditional
+from fuzzynav.studies.planning.maps import SCENES_3, SCENES_4, Scene, efficient, enhanced, random_scene, traditional
 
-__all__ = ["CASES", "DENSITIES", "compare_times", "one_map", "results", "run_maps", "run_times", "times"]
+__all__ = ["CASES", "DENSITIES", "compare_times", "one_map", "results", "times"]
 
 RESULTS = folder("results")
 DENSITIES = (0.1, 0.2, 0.3, 0.4)
@@ -81,7 +79,7 @@ def _kept(
 
 
 def _safe(grid: GridMap, start: tuple[int, int], goal: tuple[int, int]) -> dict[str, object]:
-    """Chapter 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
+    """Thesis 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
     strict = astar.search(grid, start, goal, replace(astar.TRADITIONAL, corners="strict"))
     found = astar.search(grid, start, goal, astar.ENHANCED)
     row: dict[str, object] = {
@@ -124,13 +122,6 @@ def _least(work: Callable[[], object], runs: int = 5) -> float:
     return min(spent)
 
 
-def run_maps(cases: Sequence[str] = CASES, path: Path | None = None) -> pd.DataFrame:
-    """Run or resume the study on both cores, into data/results/astar_random_maps.csv."""
-    target = RESULTS / "astar_random_maps.csv" if path is None else path
-    with ProcessPoolExecutor(2) as pool:
-        return batch.run(one_map, cases, executor=pool, path=target, chunk=20)
-
-
 def results() -> pd.DataFrame:
     """The stored study, one row a map. Raises FileNotFoundError if it has not been run."""
     return batch.read(RESULTS / "astar_random_maps.csv")
@@ -138,12 +129,12 @@ def results() -> pd.DataFrame:
 
 def times(name: str) -> dict[str, float]:
     """Times [us] on one of our maps: the median of 400 runs of each planner, in turns."""
-    scene: Scene = {**CHAPTER_3, **CHAPTER_4}[name]
-    better = efficient if name in CHAPTER_3 else enhanced
-    radius = 0.0 if name in CHAPTER_3 else scene.safety_radius
+    scene: Scene = {**SCENES_3, **SCENES_4}[name]
+    better = efficient if name in SCENES_3 else enhanced
+    radius = 0.0 if name in SCENES_3 else scene.safety_radius
     options = (
         replace(astar.EFFICIENT, corners=scene.traditional.corners)
-        if name in CHAPTER_3
+        if name in SCENES_3
         else replace(astar.ENHANCED, safety_radius=radius)
     )
     plans: dict[str, Callable[[], object]] = {
@@ -158,11 +149,6 @@ def times(name: str) -> dict[str, float]:
             work()
             spent[key].append(1e6 * (time.perf_counter() - began))
     return {key: round(float(np.median(values)), 1) for key, values in spent.items()}
-
-
-def run_times() -> pd.DataFrame:
-    """Measure the planners on our maps, into data/results/astar_times.csv."""
-    return batch.run(times, ("S1", "S2", "M1", "M2"), path=RESULTS / "astar_times.csv")
 
 
 def compare_times(name: str, column: str = "better_us") -> float:

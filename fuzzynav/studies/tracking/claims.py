@@ -1,4 +1,4 @@
-"""Chapter 5, tracking: the printed numbers, measured. What meets an obstacle stands in `chapter_5_avoidance`."""
+"""Thesis 5, tracking: the printed numbers, measured. What meets an obstacle stands in `studies.blend`."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from functools import cache, partial
 import numpy as np
 
 from fuzzynav import batch, tracking
-from fuzzynav.robot.model import PIONEER_3DX, TURTLEBOT2, Robot
-from fuzzynav.studies.reproduction import Reproduction, Study
+from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot
+from fuzzynav.simulate.record import Run
+from fuzzynav.studies.reproduction import Reproduction
+from fuzzynav.studies.study import Study
 from fuzzynav.studies.tracking import rivals
 from fuzzynav.tracking.reference import FigureEight
 
@@ -25,22 +27,22 @@ __all__ = [
 ]
 
 SIMULATION = FigureEight()
-GAINS = tracking.DflGains()
+GAINS = tracking.Dfl()
 EXPERIMENT = FigureEight(amplitude=1.25, duration=40.0 * np.pi)  # amplitude ours: it is not printed
 ODOMETRY = tracking.Disturbance(position_noise=0.003, heading_noise=0.01, slip=0.02, motor_lag=0.1)  # ours
 
 
 @cache
-def simulation_run() -> tracking.Trace:
+def simulation_run() -> Run:
     """The thesis' simulation: gains of table 5.2, Euler steps of 0.1 s, started on the curve at its speed."""
-    return tracking.follow(tracking.Dfl(SIMULATION, GAINS, TURTLEBOT2, dt=0.1), euler=True)
+    return tracking.follow(tracking.Tracker(SIMULATION, GAINS, TURTLEBOT2, dt=0.1), euler=True)
 
 
 @cache
-def experiment_run(seed: int = 1) -> tracking.Trace:
+def experiment_run(seed: int = 1) -> Run:
     """An imitation of the experiment: one lap of amplitude 1.25 m with noisy odometry, slip and motor lag."""
-    law = tracking.Dfl(EXPERIMENT, GAINS, PIONEER_3DX, dt=0.1)
-    return tracking.follow(law, disturbance=ODOMETRY, rng=seed)
+    tracker = tracking.Tracker(EXPERIMENT, GAINS, PIONEER_3DX, dt=0.1)
+    return tracking.follow(tracker, disturbance=ODOMETRY, rng=seed)
 
 
 def amplitude_for_length(length: float, duration: float) -> float:
@@ -145,9 +147,24 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     ),
 )
 
+_GAINS = ("results/tracking_gains.csv",)
+_MPC = {"MPC": (2e-2, 1e-6)}  # its solver stops at a residual
+
 STUDIES: tuple[Study, ...] = (
-    Study("tracking_gains", rivals.run_tuning),
-    Study("tracking_rivals", rivals.run_rivals),
-    Study("tracking_time", rivals.run_times),
-    Study("tracking_observers", rivals.run_observers),
-)
+    Study(
+        name="tracking_gains", experiment=rivals.tune, cases=tuple(rivals.CONTESTANTS), row=rivals.score_again,
+        tolerance={"": (1e-3, 1e-6), **_MPC}, parameters={"trials": rivals.POPULATION * rivals.GENERATIONS},
+    ),
+    Study(
+        name="tracking_rivals", experiment=rivals.compare, cases=rivals.RIVAL_CASES, inputs=_GAINS,
+        tolerance={"": (1e-3, 1e-6), **_MPC}, parameters={"seeds": f"0 to {rivals.SEEDS - 1}", "seconds": rivals.HALF},
+    ),
+    Study(
+        name="tracking_time", experiment=rivals.wall_time, cases=tuple(rivals.CONTESTANTS), inputs=_GAINS,
+        timed=("microseconds", "rate"), parameters={"runs": 5},
+    ),
+    Study(
+        name="tracking_observers", experiment=rivals.observe, cases=rivals.OBSERVER_CASES,
+        tolerance={"": (1e-2, 1e-6)}, parameters={"noises": list(rivals.NOISES), "seeds": "0 to 19"},
+    ),
+)  # fmt: skip

@@ -3,6 +3,7 @@
 scikit-fuzzy holds a set as samples on a universe and joins them by straight lines; it clips with the minimum, joins
 with the maximum, and has no default. So the two systems agree where a rule fires, up to the sampling, and both come
 nearer to the exact answer as the resolution grows. Inputs outside their range: scikit-fuzzy clips them.
+It is imported when it is first asked for: it brings matplotlib along, for which a robot has no use.
 """
 
 from __future__ import annotations
@@ -10,18 +11,14 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable
+from functools import cache
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from skfuzzy import control
-from skfuzzy.control.antecedent_consequent import accumulation_max, accumulation_mult
-from skfuzzy.control.exceptions import EmptyMembershipError
-from skfuzzy.control.rule import WeightedTerm
-from skfuzzy.control.term import Term as SkTerm
-from skfuzzy.control.term import TermAggregate
 
-from fuzzynav.fuzzy.files import identifier
+from fuzzynav.fuzzy.files.text import identifier
 from fuzzynav.fuzzy.membership import POLYGONAL, Term, breakpoints
 from fuzzynav.fuzzy.operators import CONORMS, NORMS
 from fuzzynav.fuzzy.rules import And, Antecedent, Or, Proposition, Rule
@@ -41,11 +38,29 @@ _METHODS = {
 }
 _AND = {"min": np.fmin, "product": np.multiply}
 _OR = {"max": np.fmax}
-_KNOWN_AND = {np.fmin: "min", np.minimum: "min", min: "min", np.multiply: "product", accumulation_mult: "product"}
-_KNOWN_OR = {np.fmax: "max", np.maximum: "max", max: "max", accumulation_max: "max"}
 
 
-def to_skfuzzy(system: FuzzySystem) -> control.ControlSystem:
+@cache
+def _control() -> ModuleType:
+    """scikit-fuzzy's `control`, imported at the first call."""
+    from skfuzzy import control
+
+    return control  # type: ignore[no-any-return]
+
+
+def _known_and() -> dict[Any, str]:
+    own = {norm.function: name for name, norm in NORMS.items()}
+    accumulation = _control().antecedent_consequent.accumulation_mult
+    return own | {np.fmin: "min", np.minimum: "min", min: "min", np.multiply: "product", accumulation: "product"}
+
+
+def _known_or() -> dict[Any, str]:
+    own = {conorm.function: name for name, conorm in CONORMS.items()}
+    accumulation = _control().antecedent_consequent.accumulation_max
+    return own | {np.fmax: "max", np.maximum: "max", max: "max", accumulation: "max"}
+
+
+def to_skfuzzy(system: FuzzySystem) -> Any:
     """The system as a scikit-fuzzy ControlSystem with the same variables, terms and rules.
 
     The default of an output, for which scikit-fuzzy has no place, is left out. Raises ValueError that names what else
@@ -53,13 +68,13 @@ def to_skfuzzy(system: FuzzySystem) -> control.ControlSystem:
     """
     if len({variable.name for variable in (*system.inputs, *system.outputs)} & {"current"}):
         raise ValueError("scikit-fuzzy keeps the name 'current' for itself; rename the variable")
-    inputs = {v.name: control.Antecedent(_universe(v, _INPUT_SAMPLES), v.name) for v in system.inputs}
+    inputs = {v.name: _control().Antecedent(_universe(v, _INPUT_SAMPLES), v.name) for v in system.inputs}
     outputs = {v.name: _consequent(v) for v in system.outputs}
     for variable in (*system.inputs, *system.outputs):
         target = (inputs | outputs)[variable.name]
         for term in variable.terms:
             target[term.name] = _samples(term, target.universe, variable)
-    result = control.ControlSystem()
+    result = _control().ControlSystem()
     for target in (*inputs.values(), *outputs.values()):  # first, so that the order of the variables is ours
         result.graph.add_node(target)
         result.graph.update(target.graph)
@@ -76,7 +91,7 @@ def _numbered(system: FuzzySystem) -> Iterable[tuple[RuleBlock, Rule]]:
             yield block, rule
 
 
-def _consequent(variable: Variable) -> control.Consequent:
+def _consequent(variable: Variable) -> Any:
     here = f"output {variable.name!r}"
     if variable.defuzzifier not in _METHODS:
         raise ValueError(f"{here}: scikit-fuzzy has no defuzzifier {variable.defuzzifier!r}")
@@ -85,7 +100,7 @@ def _consequent(variable: Variable) -> control.Consequent:
     if variable.lock_previous:
         raise ValueError(f"{here}: scikit-fuzzy has no lock-previous")
     universe = _universe(variable, variable.resolution)
-    return control.Consequent(universe, variable.name, defuzzify_method=_METHODS[variable.defuzzifier])
+    return _control().Consequent(universe, variable.name, defuzzify_method=_METHODS[variable.defuzzifier])
 
 
 def _universe(variable: Variable, n: int) -> Array:
@@ -109,24 +124,23 @@ def _samples(term: Term, universe: Array, variable: Variable) -> Array:
     here = f"variable {variable.name!r}, term {term.name!r}"
     if term.shape in ("linear", "constant", "singleton"):
         raise ValueError(f"{here}: scikit-fuzzy has no {term.shape} term")
-    values = term.membership(universe)
-    if values.max() > 1.0 or values.min() < 0.0:
-        raise ValueError(f"{here}: scikit-fuzzy needs memberships from 0 to 1, got up to {values.max():g}")
-    return values
+    return term.membership(universe)
 
 
-def _sk_rule(block: RuleBlock, rule: Rule, inputs: dict[str, Any], outputs: dict[str, Any], label: str) -> control.Rule:
+def _sk_rule(block: RuleBlock, rule: Rule, inputs: dict[str, Any], outputs: dict[str, Any], label: str) -> Any:
     antecedent = _sk_antecedent(rule.antecedent, inputs, rule)
     if antecedent is None:
         raise ValueError(f"rule '{rule}': scikit-fuzzy has no 'any'")
     for part in rule.consequents:
         if part.hedges:
             raise ValueError(f"rule '{rule}': scikit-fuzzy has no hedge in a conclusion")
-    conclusions = [WeightedTerm(outputs[part.variable][part.term], rule.weight) for part in rule.consequents]
-    return control.Rule(
+    conclusions = [
+        _control().rule.WeightedTerm(outputs[part.variable][part.term], rule.weight) for part in rule.consequents
+    ]
+    return _control().Rule(
         antecedent, conclusions, label=label,
-        and_func=_AND.get(block.conjunction, NORMS[block.conjunction]),
-        or_func=_OR.get(block.disjunction, CONORMS[block.disjunction]),
+        and_func=_AND.get(block.conjunction, NORMS[block.conjunction].function),
+        or_func=_OR.get(block.disjunction, CONORMS[block.disjunction].function),
     )  # fmt: skip
 
 
@@ -149,7 +163,7 @@ def _sk_antecedent(node: Antecedent, inputs: dict[str, Any], rule: Rule) -> Any:
     return result
 
 
-def answer(control_system: control.ControlSystem, *inputs: ArrayLike) -> tuple[Array, ...]:
+def answer(control_system: Any, *inputs: ArrayLike) -> tuple[Array, ...]:
     """What scikit-fuzzy answers: one array for each output, nan where no rule fires; the inputs broadcast.
 
     Every point gets a simulation without a cache: one that is used again can return the answer before (0.5.0).
@@ -160,7 +174,7 @@ def answer(control_system: control.ControlSystem, *inputs: ArrayLike) -> tuple[A
     if len(names) != len(points):
         raise ValueError(f"the ControlSystem has {len(names)} inputs ({', '.join(names)}), got {len(points)}")
     results = np.full((len(outputs), *points[0].shape), np.nan)
-    simulation = control.ControlSystemSimulation(control_system, cache=False)
+    simulation = _control().ControlSystemSimulation(control_system, cache=False)
     with warnings.catch_warnings():  # scikit-fuzzy 0.5 passes `out` by position, which NumPy 2.4 no longer likes
         warnings.filterwarnings("ignore", "Passing more than 2 positional arguments", DeprecationWarning)
         for index in np.ndindex(points[0].shape):
@@ -168,20 +182,20 @@ def answer(control_system: control.ControlSystem, *inputs: ArrayLike) -> tuple[A
                 simulation.input[name] = float(values[index])
             try:
                 simulation.compute()
-            except EmptyMembershipError:
+            except _control().exceptions.EmptyMembershipError:
                 continue
             for row, label in enumerate(outputs):
                 results[(row, *index)] = simulation.output.get(label, np.nan)
     return tuple(results)
 
 
-def from_skfuzzy(control_system: control.ControlSystem, name: str = "from_skfuzzy") -> FuzzySystem:
+def from_skfuzzy(control_system: Any, name: str = "from_skfuzzy") -> FuzzySystem:
     """The system that a scikit-fuzzy ControlSystem describes, its sets as Discrete terms on its universes.
 
     Inputs are locked to their range, as scikit-fuzzy clips them. Raises ValueError that names what has no counterpart:
     an output used as a condition, a function of the user's own for AND, OR or accumulation.
     """
-    if not isinstance(control_system, control.ControlSystem):
+    if not isinstance(control_system, _control().ControlSystem):
         raise ValueError(f"expected a skfuzzy.control.ControlSystem, got {type(control_system).__name__}")
     rules = list(control_system.rules)
     if not rules:
@@ -190,7 +204,7 @@ def from_skfuzzy(control_system: control.ControlSystem, name: str = "from_skfuzz
     outputs = tuple(_output(v) for v in control_system.consequents)
     blocks: list[tuple[tuple[str, str], list[Rule]]] = []
     for sk_rule in rules:
-        methods = _function(sk_rule.and_func, _KNOWN_AND, NORMS), _function(sk_rule.or_func, _KNOWN_OR, CONORMS)
+        methods = _function(sk_rule.and_func, _known_and()), _function(sk_rule.or_func, _known_or())
         if not blocks or blocks[-1][0] != methods:
             blocks.append((methods, []))
         blocks[-1][1].extend(_rules(sk_rule))
@@ -198,14 +212,13 @@ def from_skfuzzy(control_system: control.ControlSystem, name: str = "from_skfuzz
     return FuzzySystem(name=name, inputs=inputs, outputs=outputs, blocks=made, source="scikit-fuzzy ControlSystem")
 
 
-def _function(function: Any, known: dict[Any, str], ours: dict[str, Any]) -> str:
-    table = known | {value: key for key, value in ours.items()}
-    if function not in table:
+def _function(function: Any, known: dict[Any, str]) -> str:
+    if function not in known:
         raise ValueError(
             f"the function {getattr(function, '__name__', function)!r} of a rule is not known; "
-            f"known: {', '.join(sorted(set(table.values())))}"
+            f"known: {', '.join(sorted(set(known.values())))}"
         )
-    return table[function]
+    return known[function]
 
 
 def _variable(variable: Any, **options: Any) -> Variable:
@@ -222,7 +235,7 @@ def _variable(variable: Any, **options: Any) -> Variable:
 
 
 def _output(variable: Any) -> Variable:
-    if variable.accumulation_method not in _KNOWN_OR:
+    if variable.accumulation_method not in _known_or():
         raise ValueError(
             f"output {variable.label!r}: only accumulation_max is known, not {variable.accumulation_method}"
         )
@@ -261,11 +274,11 @@ def _label(thing: Any) -> str:
 
 
 def _antecedent(node: Any) -> Antecedent:
-    if isinstance(node, SkTerm):
-        if isinstance(node.parent, control.Consequent):
+    if isinstance(node, _control().term.Term):
+        if isinstance(node.parent, _control().Consequent):
             raise ValueError(f"the output {node.parent.label!r} as a condition of a rule is not supported")
         return Proposition(variable=_label(node.parent), term=_label(node))
-    if not isinstance(node, TermAggregate):
+    if not isinstance(node, _control().term.TermAggregate):
         raise ValueError(f"unknown antecedent {node!r}")
     if node.kind == "not":
         return _negated(node.term1)
@@ -278,7 +291,7 @@ def _antecedent(node: Any) -> Antecedent:
 
 def _negated(node: Any) -> Antecedent:
     """`not` of a single term."""
-    plain = _antecedent(node) if isinstance(node, SkTerm) else None
+    plain = _antecedent(node) if isinstance(node, _control().term.Term) else None
     if not isinstance(plain, Proposition):
         raise ValueError(f"NOT of a combination is not supported, got {node!r}: write it with NOT of single terms")
     return Proposition(variable=plain.variable, term=plain.term, hedges=("not",))

@@ -1,4 +1,4 @@
-"""Reading the FuzzyLite Language (.fll); `fllwriter` writes it.
+"""Reading the FuzzyLite Language (.fll); `fll_writer` writes it.
 
 What our systems hold and the language has no word for stands in lines that other readers take for comments:
 `#! unit: m/s`, `#! source: ...`, `#! quadrature: trapezoid` (without it: midpoint, FuzzyLite's own arithmetic),
@@ -21,36 +21,30 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from fuzzynav.fuzzy.files import at, boolean, fault, identifier, numbers, quadrature, resolution, unquote
-from fuzzynav.fuzzy.membership import SHAPES, Term
+from fuzzynav.fuzzy.files.text import (
+    at,
+    boolean,
+    fault,
+    identifier,
+    named,
+    numbers,
+    quadrature,
+    resolution,
+    shortened,
+    unquote,
+)
+from fuzzynav.fuzzy.membership import MONOTONE, SHAPES, Term
+from fuzzynav.fuzzy.operators import CONORMS, NORMS
 from fuzzynav.fuzzy.rules import And, Antecedent, Or, Proposition, Rule, propositions
-from fuzzynav.fuzzy.system import FuzzySystem
-from fuzzynav.fuzzy.variable import MONOTONE, WEIGHTED, RuleBlock, Variable
+from fuzzynav.fuzzy.system import FuzzySystem, check_rule
+from fuzzynav.fuzzy.variable import DEFUZZIFIERS, WEIGHTED, RuleBlock, Variable
 
 __all__ = ["parse"]
 
-SHAPE_NAMES = {
-    "triangle": "Triangle", "trapezoid": "Trapezoid", "gaussian": "Gaussian", "two-sided gaussian": "GaussianProduct",
-    "bell": "Bell", "sigmoid": "Sigmoid", "sigmoid difference": "SigmoidDifference",
-    "sigmoid product": "SigmoidProduct", "z": "ZShape", "s": "SShape", "pi": "PiShape", "ramp": "Ramp",
-    "rectangle": "Rectangle", "binary": "Binary", "constant": "Constant", "linear": "Linear", "discrete": "Discrete",
-    "spike": "Spike", "cosine": "Cosine", "concave": "Concave", "arc": "Arc", "semi-ellipse": "SemiEllipse",
-}  # fmt: skip
-NORM_NAMES = {
-    "min": "Minimum", "product": "AlgebraicProduct", "bounded difference": "BoundedDifference",
-    "drastic": "DrasticProduct", "einstein": "EinsteinProduct", "hamacher": "HamacherProduct",
-    "nilpotent minimum": "NilpotentMinimum",
-}  # fmt: skip
-CONORM_NAMES = {
-    "max": "Maximum", "probabilistic sum": "AlgebraicSum", "bounded sum": "BoundedSum", "sum": "UnboundedSum",
-    "normalized sum": "NormalizedSum", "drastic sum": "DrasticSum", "einstein sum": "EinsteinSum",
-    "hamacher sum": "HamacherSum", "nilpotent maximum": "NilpotentMaximum",
-}  # fmt: skip
-DEFUZZIFIER_NAMES = {
-    "centroid": "Centroid", "bisector": "Bisector", "mean of maximum": "MeanOfMaximum",
-    "smallest of maximum": "SmallestOfMaximum", "largest of maximum": "LargestOfMaximum",
-    "weighted average": "WeightedAverage", "weighted sum": "WeightedSum",
-}  # fmt: skip
+SHAPE_WORDS = {name: shape.fll for name, shape in SHAPES.items() if shape.fll}
+NORM_WORDS = {name: norm.fll for name, norm in NORMS.items()}
+CONORM_WORDS = {name: conorm.fll for name, conorm in CONORMS.items()}
+DEFUZZIFIER_WORDS = {name: way.fll for name, way in DEFUZZIFIERS.items()}
 
 _SECTIONS = {
     "Engine": ("description",),
@@ -94,50 +88,42 @@ def parse(text: str, where: str = "<text>") -> FuzzySystem:
     head = sections[0]
     inputs = tuple(_variable(s, where) for s in sections if s.kind == "InputVariable")
     outputs = tuple(_variable(s, where) for s in sections if s.kind == "OutputVariable")
+    _check_names(sections, where)
     off = _off(sections, where)
-    blocks = [_block(s, where, off, outputs) for s in sections if s.kind == "RuleBlock"]
-    if not inputs or not outputs or not any(block for _, block in blocks):
+    read = [_block(s, where, off, (inputs, outputs)) for s in sections if s.kind == "RuleBlock"]
+    blocks = tuple(block for block in read if block is not None)
+    if not inputs or not outputs or not blocks:
         missing = "InputVariable" if not inputs else "OutputVariable" if not outputs else "RuleBlock with enabled rules"
         raise fault(where, text.count("\n") + 1, "", f"the file ends without any {missing}: is it cut off?")
-    line, description = head.get("description", "")
-    with at(where, line, "description"):
-        description = unquote(description)
-    line, source = head.get("source", "")
-    with at(where, line, "source"):
-        source = unquote(source)
-    made = tuple(block for _, block in blocks if block is not None)
+    description = _read(head, "description", "", where, unquote)
+    source = _read(head, "source", "", where, unquote)
     try:
         return FuzzySystem(
-            name=head.name, inputs=inputs, outputs=outputs, blocks=made, source=source, description=description
+            name=head.name, inputs=inputs, outputs=outputs, blocks=blocks, source=source, description=description
         )
     except ValueError as error:
-        raise _located(error, where, inputs, outputs, sections, blocks) from None
+        raise _located(error, where, sections) from None
 
 
-def _located(
-    error: ValueError,
-    where: str,
-    inputs: tuple[Variable, ...],
-    outputs: tuple[Variable, ...],
-    sections: list[_Section],
-    blocks: list[tuple[list[int], RuleBlock | None]],
-) -> ValueError:
-    """The error of a whole system with the line of the rule or variable that causes it."""
-    variables = [s for s in sections if s.kind in ("InputVariable", "OutputVariable")]
+def _check_names(sections: list[_Section], where: str) -> None:
+    """Raise ValueError with the line of a variable whose name another one has."""
     seen: set[str] = set()
-    for section in variables:
-        if identifier(section.name) in seen:
-            return fault(where, section.line, section.kind, f"the name {section.name!r} is used twice")
-        seen.add(identifier(section.name))
-        if f"output {identifier(section.name)!r}" in str(error) and section.kind == "OutputVariable":
+    for section in sections:
+        if section.kind in ("InputVariable", "OutputVariable"):
+            if identifier(section.name) in seen:
+                raise fault(where, section.line, section.kind, f"the name {section.name!r} is used twice")
+            seen.add(identifier(section.name))
+
+
+def _located(error: ValueError, where: str, sections: list[_Section]) -> ValueError:
+    """The error of a whole system with the line of the variable that it names, or of the engine."""
+    for section in sections:
+        role = {"InputVariable": "input", "OutputVariable": "output"}.get(section.kind)
+        if role and f"{role} {identifier(section.name)!r}" in str(error):
             return fault(where, section.line, section.kind, str(error))
-    for lines, block in blocks:
-        for line, rule in zip(lines, block.rules if block else ()):
-            try:
-                FuzzySystem(name="x", inputs=inputs, outputs=outputs, blocks=(RuleBlock(rules=(rule,)),))
-            except ValueError as problem:
-                return fault(where, line, "rule", str(problem))
-    return ValueError(f"{where}: {error}")
+        if section.kind == "RuleBlock" and f"rule block {section.name!r}" in str(error):
+            return fault(where, section.line, section.kind, str(error))
+    return fault(where, sections[0].line, "Engine", str(error))
 
 
 def _sections(text: str, where: str) -> list[_Section]:
@@ -151,7 +137,7 @@ def _sections(text: str, where: str) -> list[_Section]:
         key, colon, value = (directive[1], ":", directive[2]) if directive else bare.partition(":")
         key, value = key.strip(), value.strip()
         if not colon:
-            raise fault(where, line, "", f"expected 'key: value', got {bare!r}")
+            raise fault(where, line, "", f"expected 'key: value', got {shortened(bare)!r}")
         if directive is None and key in _SECTIONS:
             if (key == "Engine") == bool(sections):
                 raise fault(where, line, key, "a file must begin with Engine:, and hold it once")
@@ -198,7 +184,9 @@ def _variable(section: _Section, where: str) -> Variable:
     if section.kind == "InputVariable":
         terms = tuple(_term(line, value, where, section.singletons) for line, value in section.many)
         with at(where, section.line, section.kind):
-            return Variable(terms=terms, **common)
+            variable = Variable(terms=terms, **common)
+            variable.check_input()
+        return variable
     if low == high and not common["lock_range"] and "Weighted" in section.get("defuzzifier", "")[1]:
         common["low"], common["high"] = -math.inf, math.inf  # a weighted defuzzifier has no use for the range
     defuzzifier, samples, kind = _read(section, "defuzzifier", "none", where, _defuzzifier)
@@ -223,23 +211,16 @@ def _variable(section: _Section, where: str) -> Variable:
 def _range(text: str) -> tuple[float, float]:
     values = numbers(text)
     if len(values) != 2:
-        raise ValueError(f"expected two numbers, low and high, got {text!r}")
+        raise ValueError(f"expected two numbers, low and high, got {shortened(text)!r}")
     return values[0], values[1]
-
-
-def _named(text: str, table: dict[str, str], what: str) -> str:
-    for ours, theirs in table.items():
-        if text == theirs:
-            return ours
-    raise ValueError(f"unknown {what} {text!r}; known: {', '.join(table.values())}")
 
 
 def _aggregation(defuzzifier: str, text: str) -> str | None:
     if text in ("none", ""):
         if defuzzifier not in WEIGHTED:
-            raise ValueError(f"the {DEFUZZIFIER_NAMES[defuzzifier]} of an output needs one, for instance Maximum")
+            raise ValueError(f"the {DEFUZZIFIER_WORDS[defuzzifier]} of an output needs one, for instance Maximum")
         return None
-    return _named(text, CONORM_NAMES, "aggregation")
+    return named(text, CONORM_WORDS, "aggregation")
 
 
 def _defuzzifier(text: str) -> tuple[str, int, str]:
@@ -247,11 +228,11 @@ def _defuzzifier(text: str) -> tuple[str, int, str]:
     name, _, parameter = text.partition(" ")
     if name in ("none", ""):
         raise ValueError("an output needs one, for instance Centroid 101")
-    ours, parameter = _named(name, DEFUZZIFIER_NAMES, "defuzzifier"), parameter.strip()
+    ours, parameter = named(name, DEFUZZIFIER_WORDS, "defuzzifier"), parameter.strip()
     if ours not in WEIGHTED:
         return ours, resolution(parameter or _FUZZYLITE_RESOLUTION), ""
     if parameter not in ("", "Automatic", "TakagiSugeno", "Tsukamoto"):
-        raise ValueError(f"unknown type {parameter!r} of {name}; known: TakagiSugeno, Tsukamoto")
+        raise ValueError(f"unknown type {shortened(parameter)!r} of {name}; known: TakagiSugeno, Tsukamoto")
     return ours, 0, parameter
 
 
@@ -260,18 +241,18 @@ def _check_kind(section: _Section, where: str, kind: str, terms: tuple[Term, ...
     fitting = {"TakagiSugeno": {"constant", "linear", "singleton"}, "Tsukamoto": MONOTONE}.get(kind, set(SHAPES))
     for (line, _), term in zip(section.many, terms):
         if term.shape not in fitting:
-            raise fault(where, line, "term", f"{term.name!r} ({SHAPE_NAMES[term.shape]}) does not fit type {kind}")
+            raise fault(where, line, "term", f"{term.name!r} ({SHAPE_WORDS[term.shape]}) does not fit type {kind}")
 
 
 def _term(line: int, text: str, where: str, singletons: set[str]) -> Term:
     words = text.split()
     with at(where, line, "term"):
         if len(words) < 2:
-            raise ValueError(f"expected 'name Shape numbers', got {text!r}")
+            raise ValueError(f"expected 'name Shape numbers', got {shortened(text)!r}")
         name, shape = identifier(words[0]), words[1]
         if shape == "Function":
             raise ValueError(f"{name!r} is a Function term, which is not supported: use Linear, Constant or Discrete")
-        ours, values = _named(shape, SHAPE_NAMES, "shape"), numbers(" ".join(words[2:]))
+        ours, values = named(shape, SHAPE_WORDS, "shape"), numbers(" ".join(words[2:]))
         height = values.pop() if len(values) == _count(ours, values) + 1 else 1.0
         if words[0] in singletons:
             return Term(name=name, shape="singleton", parameters=tuple(values[:1]), height=height)
@@ -282,7 +263,7 @@ def _count(shape: str, values: list[float]) -> int:
     """How many of the numbers are parameters, so that one more is the height."""
     if shape in ("linear", "constant"):
         return len(values)
-    return len(values) // 2 * 2 if shape == "discrete" and len(values) > 1 else len(SHAPES[shape])
+    return len(values) // 2 * 2 if shape == "discrete" and len(values) > 1 else len(SHAPES[shape].parameters)
 
 
 def _ours(shape: str, values: list[float]) -> tuple[float, ...]:
@@ -308,36 +289,42 @@ def _off(sections: list[_Section], where: str) -> dict[str, set[str]]:
 
 
 def _block(
-    section: _Section, where: str, off: dict[str, set[str]], outputs: tuple[Variable, ...]
-) -> tuple[list[int], RuleBlock | None]:
-    """Lines of the rules that are left, and their block; None when nothing of it is enabled."""
+    section: _Section,
+    where: str,
+    off: dict[str, set[str]],
+    variables: tuple[tuple[Variable, ...], tuple[Variable, ...]],
+) -> RuleBlock | None:
+    """The block of a RuleBlock section; None when nothing of it is enabled."""
     operators = {
-        key: _read(section, key, "none", where, partial(_operator, key, table))
-        for key, table in (("conjunction", NORM_NAMES), ("disjunction", CONORM_NAMES), ("implication", NORM_NAMES))
+        key: _read(section, key, "none", where, partial(_operator, key, words))
+        for key, words in (("conjunction", NORM_WORDS), ("disjunction", CONORM_WORDS), ("implication", NORM_WORDS))
     }
     line, activation = section.get("activation", "General")
     if activation not in ("General", "none", ""):
-        raise fault(where, line, "activation", f"{activation!r} is not supported; expected General")
+        raise fault(where, line, "activation", f"{shortened(activation)!r} is not supported; expected General")
+    inputs, outputs = variables
+    enabled = _read(section, "enabled", "true", where, boolean)
     sampled = {v.name for v in outputs if v.defuzzifier not in WEIGHTED}
-    lines, rules = [], []
+    rules = []
     for line, text in section.many:
         with at(where, line, "rule"):
             rule = _rule(text, operators, off, {v.name for v in outputs})
+            if rule is not None and enabled:
+                check_rule(rule, inputs, outputs)
         if rule is not None:
-            lines.append(line)
             rules.append(rule)
             if operators["implication"] is None and not sampled.isdisjoint(c.variable for c in rule.consequents):
                 line = section.get("implication", "")[0]
                 raise fault(where, line, "implication", "the outputs concluded here need one, for instance Minimum")
-    if not rules or not _read(section, "enabled", "true", where, boolean):
-        return [], None
+    if not rules or not enabled:
+        return None
     with at(where, section.line, "RuleBlock"):
         given = {key: value for key, value in operators.items() if value is not None}
-        return lines, RuleBlock(rules=tuple(rules), name=section.name, **given)
+        return RuleBlock(rules=tuple(rules), name=section.name, **given)
 
 
-def _operator(key: str, table: dict[str, str], text: str) -> str | None:
-    return None if text in ("none", "") else _named(text, table, key)
+def _operator(key: str, words: dict[str, str], text: str) -> str | None:
+    return None if text in ("none", "") else named(text, words, key)
 
 
 def _rule(text: str, operators: dict[str, str | None], off: dict[str, set[str]], outputs: set[str]) -> Rule | None:

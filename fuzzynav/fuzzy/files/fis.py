@@ -1,4 +1,4 @@
-"""Reading MATLAB's fuzzy inference system files (.fis); `fiswriter` writes them.
+"""Reading MATLAB's fuzzy inference system files (.fis); `fis_writer` writes them.
 
 A file read here answers as MATLAB's evalfis does: the centroid is the plain sum over 101 points, and where no rule
 fires the answer is the middle of the output's range. What our systems hold and the format has no word for stands in
@@ -18,37 +18,31 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-from fuzzynav.fuzzy.files import at, boolean, fault, identifier, number, numbers, quadrature, resolution, unquote
-from fuzzynav.fuzzy.membership import Term
+from fuzzynav.fuzzy.files.text import (
+    at,
+    boolean,
+    fault,
+    identifier,
+    named,
+    number,
+    numbers,
+    quadrature,
+    resolution,
+    shortened,
+    unquote,
+)
+from fuzzynav.fuzzy.membership import SHAPES, Shape, Term
+from fuzzynav.fuzzy.operators import CONORMS, NORMS
 from fuzzynav.fuzzy.rules import And, Antecedent, Or, Proposition, Rule
 from fuzzynav.fuzzy.system import FuzzySystem
-from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
+from fuzzynav.fuzzy.variable import DEFUZZIFIERS, WEIGHTED, RuleBlock, Variable
 
 __all__ = ["parse"]
 
-SHAPE_NAMES: dict[str, tuple[str, tuple[int, ...]]] = {
-    "triangle": ("trimf", (0, 1, 2)),
-    "trapezoid": ("trapmf", (0, 1, 2, 3)),
-    "gaussian": ("gaussmf", (1, 0)),
-    "two-sided gaussian": ("gauss2mf", (1, 0, 3, 2)),
-    "bell": ("gbellmf", (2, 0, 1)),
-    "sigmoid": ("sigmf", (1, 0)),
-    "sigmoid difference": ("dsigmf", (1, 0, 2, 3)),
-    "sigmoid product": ("psigmf", (1, 0, 2, 3)),
-    "z": ("zmf", (0, 1)),
-    "s": ("smf", (0, 1)),
-    "pi": ("pimf", (0, 1, 2, 3)),
-    "constant": ("constant", (0,)),
-    "linear": ("linear", ()),
-}
-"""Our shape -> MATLAB's name, and for each of our parameters its place in MATLAB's list."""
-
-NORM_NAMES = {"min": "min", "product": "prod"}
-CONORM_NAMES = {"max": "max", "probabilistic sum": "probor", "sum": "sum"}
-DEFUZZIFIER_NAMES = {
-    "centroid": "centroid", "bisector": "bisector", "mean of maximum": "mom", "smallest of maximum": "som",
-    "largest of maximum": "lom", "weighted average": "wtaver", "weighted sum": "wtsum",
-}  # fmt: skip
+SHAPE_WORDS = {name: shape.fis for name, shape in SHAPES.items() if shape.fis}
+NORM_WORDS = {name: norm.fis for name, norm in NORMS.items() if norm.fis}
+CONORM_WORDS = {name: conorm.fis for name, conorm in CONORMS.items() if conorm.fis}
+DEFUZZIFIER_WORDS = {name: way.fis for name, way in DEFUZZIFIERS.items()}
 
 _METHODS = ("andmethod", "ormethod", "impmethod", "aggmethod", "defuzzmethod")
 _SYSTEM = ("name", "type", "version", "numinputs", "numoutputs", "numrules", *_METHODS)
@@ -112,6 +106,7 @@ def parse(text: str, where: str = "<text>") -> FuzzySystem:
 def _sections(text: str, where: str) -> list[_Section]:
     """Split the text at its [Section] lines and check every key."""
     sections: list[_Section] = []
+    seen: set[tuple[str, int]] = set()
     for line, raw in enumerate(text.split("\n"), start=1):
         bare = raw.strip()
         directive = re.fullmatch(r"%!\s*([a-z-]+):(.*)", bare)
@@ -119,10 +114,11 @@ def _sections(text: str, where: str) -> list[_Section]:
             continue
         head = re.fullmatch(r"\[(System|Input|Output|Rules)(\d{0,6})\]", bare)
         if head:
-            sections.append(_Section(head[1], int(head[2] or 0), line))
-            names = [(s.kind, s.index) for s in sections]
-            if (head[1] == "System") == (len(sections) > 1) or names.count(names[-1]) > 1 or "Rules" in names[:-1]:
+            name = (head[1], int(head[2] or 0))
+            if (name[0] == "System") == bool(sections) or name in seen or ("Rules", 0) in seen:
                 raise fault(where, line, bare, "expected [System], [Input1] ..., [Output1] ..., [Rules], each once")
+            sections.append(_Section(*name, line))
+            seen.add(name)
         elif not sections:
             raise fault(where, line, "", f"expected [System], got {bare[:40]!r}")
         elif directive:
@@ -164,19 +160,19 @@ def _reader(section: _Section, where: str) -> Callable[[str, str | None, Callabl
 
 def _text(value: str) -> str:
     if len(value) < 2 or value[0] != value[-1] or value[0] not in "'\"":
-        raise ValueError(f"expected text in quotes, got {value!r}")
+        raise ValueError(f"expected text in quotes, got {shortened(value)!r}")
     return value[1:-1]
 
 
 def _list(value: str) -> list[float]:
     if value[:1] != "[" or value[-1:] != "]":
-        raise ValueError(f"expected numbers in [ ], got {value!r}")
+        raise ValueError(f"expected numbers in [ ], got {shortened(value)!r}")
     return numbers(value[1:-1].replace(",", " "))
 
 
 def _whole(value: str) -> int:
     if not re.fullmatch(r"\d{1,6}", value):
-        raise ValueError(f"expected a whole number, got {value!r}")
+        raise ValueError(f"expected a whole number, got {shortened(value)!r}")
     return int(value)
 
 
@@ -195,23 +191,22 @@ def _methods(system: _Section, where: str) -> dict[str, str]:
         raise fault(where, system.values["type"][0], "type", f"expected 'mamdani' or 'sugeno', got {kind!r}")
     sugeno = kind == "sugeno"
     tables = {
-        "andmethod": (NORM_NAMES, "'min'"), "ormethod": (CONORM_NAMES, "'max'"), "impmethod": (NORM_NAMES, "'min'"),
-        "aggmethod": (CONORM_NAMES, "'sum'" if sugeno else "'max'"),
-        "defuzzmethod": (DEFUZZIFIER_NAMES, "'wtaver'" if sugeno else "'centroid'"),
+        "andmethod": (NORM_WORDS, "'min'"), "ormethod": (CONORM_WORDS, "'max'"), "impmethod": (NORM_WORDS, "'min'"),
+        "aggmethod": (CONORM_WORDS, "'sum'" if sugeno else "'max'"),
+        "defuzzmethod": (DEFUZZIFIER_WORDS, "'wtaver'" if sugeno else "'centroid'"),
     }  # fmt: skip
     methods = {key: get(key, default, partial(_known, table)) for key, (table, default) in tables.items()}
     if (methods["defuzzmethod"] in WEIGHTED) != sugeno:
         line = system.values.get("defuzzmethod", (system.line, ""))[0]
-        raise fault(where, line, "defuzzmethod", f"{DEFUZZIFIER_NAMES[methods['defuzzmethod']]} does not fit a {kind}")
+        raise fault(where, line, "defuzzmethod", f"{DEFUZZIFIER_WORDS[methods['defuzzmethod']]} does not fit a {kind}")
     return methods
 
 
-def _known(table: dict[str, str], value: str) -> str:
+def _known(words: dict[str, str], value: str) -> str:
     text = _text(value).lower()
-    for ours, theirs in table.items():
-        if text == theirs:
-            return ours
-    raise ValueError(f"{text!r} is not supported; expected {', '.join(table.values())}")
+    if text not in words.values():
+        raise ValueError(f"{shortened(text)!r} is not supported; expected {', '.join(words.values())}")
+    return named(text, words, "method")
 
 
 def _variable(section: _Section, where: str, methods: dict[str, str]) -> Variable:
@@ -232,9 +227,11 @@ def _variable(section: _Section, where: str, methods: dict[str, str]) -> Variabl
             "lock_range": get("%lock-range", "false", boolean),
         }  # fmt: skip
         if section.kind == "Input":
-            return Variable(**common)
+            variable = Variable(**common)
+            variable.check_input()
+            return variable
         output = Variable(
-            defuzzifier=_swapped(methods["defuzzmethod"], low, high), aggregation=methods["aggmethod"],
+            defuzzifier=swapped(methods["defuzzmethod"], low, high), aggregation=methods["aggmethod"],
             quadrature=get("%quadrature", "sum", quadrature), resolution=get("%resolution", "101", resolution),
             default=get("%default", repr(0.5 * (low + high)), number),
             lock_previous=get("%lock-previous", "false", boolean), **common,
@@ -243,14 +240,14 @@ def _variable(section: _Section, where: str, methods: dict[str, str]) -> Variabl
     return output
 
 
-def _swapped(defuzzifier: str, low: float, high: float) -> str:
+def swapped(defuzzifier: str, low: float, high: float) -> str:
     """MATLAB's som and lom (by absolute value) in our words, and the other way round."""
     ends = ["smallest of maximum", "largest of maximum"]
     if defuzzifier not in ends or low >= 0.0:
         return defuzzifier
     if high > 0.0:
         raise ValueError(
-            f"{DEFUZZIFIER_NAMES[defuzzifier]} on the range {low:g} to {high:g}: MATLAB takes the absolute value, "
+            f"{DEFUZZIFIER_WORDS[defuzzifier]} on the range {low:g} to {high:g}: MATLAB takes the absolute value, "
             "which is not supported across 0; use mom or centroid"
         )
     return ends[1 - ends.index(defuzzifier)]
@@ -263,14 +260,22 @@ def _term(line: int, value: str, where: str) -> Term:
             raise ValueError(f"expected 'name':'type',[numbers], got {value[:60]!r}")
         name, kind = identifier(match[1]), match[2].lower()
         p = _list(match[3]) if match[3][0] == "[" else [number(match[3])]
-        for ours, (theirs, places) in SHAPE_NAMES.items():
-            if kind == theirs:
-                if ours != "linear" and len(p) != len(places):
-                    raise ValueError(f"{kind} needs {len(places)} numbers, got {len(p)}")
-                parameters = tuple(p) if ours == "linear" else _ours(ours, tuple(p[k] for k in places))
-                return Term(name=name, shape=ours, parameters=parameters)
-        known = ", ".join(theirs for theirs, _ in SHAPE_NAMES.values())
-        raise ValueError(f"membership function {kind!r} is not supported; expected {known}")
+        shape = SHAPES[named(kind, SHAPE_WORDS, "membership function")]
+        return Term(name=name, shape=shape.name, parameters=_parameters(shape, tuple(p)))
+
+
+def places(shape: Shape) -> tuple[int, ...]:
+    """For each of our parameters its place in MATLAB's list."""
+    return shape.places or tuple(range(len(shape.parameters)))
+
+
+def _parameters(shape: Shape, p: tuple[float, ...]) -> tuple[float, ...]:
+    """MATLAB's numbers in our order."""
+    if shape.listed:
+        return p
+    if len(p) != len(shape.parameters):
+        raise ValueError(f"{shape.fis} needs {len(shape.parameters)} numbers, got {len(p)}")
+    return _ours(shape.name, tuple(p[k] for k in places(shape)))
 
 
 def _ours(shape: str, p: tuple[float, ...]) -> tuple[float, ...]:

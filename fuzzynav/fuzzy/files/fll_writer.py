@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from fuzzynav.fuzzy.files import identifier, is_plain, quote, resolution, show
-from fuzzynav.fuzzy.fll import CONORM_NAMES, DEFUZZIFIER_NAMES, NORM_NAMES, SHAPE_NAMES
+from fuzzynav.fuzzy.files.fll import CONORM_WORDS, DEFUZZIFIER_WORDS, NORM_WORDS, SHAPE_WORDS
+from fuzzynav.fuzzy.files.text import identifier, is_plain, quote, resolution, show
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.system import FuzzySystem
 from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
@@ -62,7 +62,7 @@ def _variable(kind: str, variable: Variable) -> Iterable[str]:
 
 def _output(variable: Variable) -> Iterable[str]:
     weighted = variable.defuzzifier in WEIGHTED
-    name = DEFUZZIFIER_NAMES[variable.defuzzifier]
+    name = DEFUZZIFIER_WORDS[variable.defuzzifier]
     samples = f"{resolution(str(variable.resolution))}"
     yield f"  #! quadrature: {variable.quadrature}"
     if weighted:
@@ -70,7 +70,7 @@ def _output(variable: Variable) -> Iterable[str]:
     if weighted and variable.aggregation == "sum":
         yield "  aggregation: none"
     else:
-        yield f"  aggregation: {CONORM_NAMES[str(variable.aggregation)]}"
+        yield f"  aggregation: {CONORM_WORDS[str(variable.aggregation)]}"
     yield f"  defuzzifier: {name}" + ("" if weighted else f" {samples}")
     yield f"  default: {show(variable.default)}"
     yield f"  lock-previous: {str(variable.lock_previous).lower()}"
@@ -93,15 +93,15 @@ def _shape(term: Term, weighted: bool) -> str:
         return f"Rectangle {values} {values}{height}"
     if height and term.shape in ("constant", "linear"):
         raise ValueError(f"term {term.name!r}: a {term.shape} term has no height in a .fll file, got {term.height:g}")
-    return f"{SHAPE_NAMES[term.shape]} {values}{height}"
+    return f"{SHAPE_WORDS[term.shape]} {values}{height}"
 
 
 def _block(block: RuleBlock) -> Iterable[str]:
     yield f"RuleBlock: {_title(block.name, 'rule block')}"
     yield "  enabled: true"
-    yield f"  conjunction: {NORM_NAMES[block.conjunction]}"
-    yield f"  disjunction: {CONORM_NAMES[block.disjunction]}"
-    yield f"  implication: {NORM_NAMES[block.implication]}"
+    yield f"  conjunction: {NORM_WORDS[block.conjunction]}"
+    yield f"  disjunction: {CONORM_WORDS[block.disjunction]}"
+    yield f"  implication: {NORM_WORDS[block.implication]}"
     yield "  activation: General"
     for rule in block.rules:
         yield f"  rule: {rule}"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
-from fuzzynav.fuzzy.files import identifier, is_plain, quote, resolution, same_number, show
-from fuzzynav.fuzzy.fis import CONORM_NAMES, DEFUZZIFIER_NAMES, NORM_NAMES, SHAPE_NAMES, _swapped
-from fuzzynav.fuzzy.membership import Term
+from fuzzynav.fuzzy.files.fis import CONORM_WORDS, DEFUZZIFIER_WORDS, NORM_WORDS, SHAPE_WORDS, places, swapped
+from fuzzynav.fuzzy.files.text import identifier, is_plain, quote, resolution, same_number, show
+from fuzzynav.fuzzy.membership import SHAPES, Term
 from fuzzynav.fuzzy.rules import And, Or, Proposition, Rule
 from fuzzynav.fuzzy.system import FuzzySystem
 from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable
@@ -18,19 +19,30 @@ __all__ = ["dump"]
 def dump(system: FuzzySystem) -> str:
     """Text of the system as a .fis file; `fis.parse` gives back a system with the same answers.
 
-    The propositions of a rule come back in the order of the variables, without those that say `any`.
-    MATLAB computes with its own quadrature and default whatever ours are. Raises ValueError for what the format
-    cannot say: several rule blocks, hedges, mixed 'and' and 'or', operators and shapes that MATLAB does not know.
+    Rule blocks with the same operators become one. The propositions of a rule come back in the order of the variables,
+    without those that say `any`. MATLAB computes with its own quadrature and default whatever ours are. Raises
+    ValueError for what the format cannot say: rule blocks that differ in their operators, hedges, mixed 'and' and
+    'or', operators and shapes that MATLAB does not know.
     """
-    if len(system.blocks) != 1:
-        raise ValueError(f"a .fis file holds one rule block, {system.name!r} has {len(system.blocks)}")
-    block = system.blocks[0]
+    block = _merged(system)
     lines = list(_system(system, block))
     for kind, variables in (("Input", system.inputs), ("Output", system.outputs)):
         for index, variable in enumerate(variables, start=1):
             lines += ["", f"[{kind}{index}]", *_variable(variable, kind == "Output")]
     lines += ["", "[Rules]", *(_rule(rule, system) for rule in block.rules)]
     return "\n".join(lines) + "\n"
+
+
+def _merged(system: FuzzySystem) -> RuleBlock:
+    """The rules of all blocks, block after block, as one. Raises ValueError unless the operators agree."""
+    first = system.blocks[0]
+    for what in ("conjunction", "disjunction", "implication"):
+        found = sorted({getattr(block, what) for block in system.blocks})
+        if len(found) > 1:
+            raise ValueError(
+                f"a .fis file holds one rule block; those of {system.name!r} differ in their {what}: {', '.join(found)}"
+            )
+    return replace(first, rules=system.rules, name=" and ".join(b.name for b in system.blocks if b.name))
 
 
 def _one(values: set[str], what: str, table: dict[str, str]) -> str:
@@ -55,12 +67,12 @@ def _system(system: FuzzySystem, block: RuleBlock) -> Iterable[str]:
     yield f"NumInputs={len(system.inputs)}"
     yield f"NumOutputs={len(system.outputs)}"
     yield f"NumRules={len(block.rules)}"
-    yield f"AndMethod='{_one({block.conjunction}, 'conjunction', NORM_NAMES)}'"
-    yield f"OrMethod='{_one({block.disjunction}, 'disjunction', CONORM_NAMES)}'"
-    yield f"ImpMethod='{_one({block.implication}, 'implication', NORM_NAMES)}'"
-    yield f"AggMethod='{_one({str(v.aggregation) for v in system.outputs}, 'aggregation', CONORM_NAMES)}'"
-    methods = {_swapped(v.defuzzifier, v.low, v.high) for v in system.outputs}
-    yield f"DefuzzMethod='{_one(methods, 'defuzzifier', DEFUZZIFIER_NAMES)}'"
+    yield f"AndMethod='{_one({block.conjunction}, 'conjunction', NORM_WORDS)}'"
+    yield f"OrMethod='{_one({block.disjunction}, 'disjunction', CONORM_WORDS)}'"
+    yield f"ImpMethod='{_one({block.implication}, 'implication', NORM_WORDS)}'"
+    yield f"AggMethod='{_one({str(v.aggregation) for v in system.outputs}, 'aggregation', CONORM_WORDS)}'"
+    methods = {swapped(v.defuzzifier, v.low, v.high) for v in system.outputs}
+    yield f"DefuzzMethod='{_one(methods, 'defuzzifier', DEFUZZIFIER_WORDS)}'"
     for key, value in (("source", system.source), ("description", system.description), ("block", block.name)):
         if value:
             yield f"%! {key}: {quote(value)}"
@@ -100,17 +112,17 @@ def _output(variable: Variable) -> Iterable[str]:
 
 
 def _term(term: Term) -> str:
-    if term.shape not in SHAPE_NAMES:
-        raise ValueError(f"term {term.name!r}: MATLAB has no shape {term.shape!r}; known: {', '.join(SHAPE_NAMES)}")
+    if term.shape not in SHAPE_WORDS:
+        raise ValueError(f"term {term.name!r}: MATLAB has no shape {term.shape!r}; known: {', '.join(SHAPE_WORDS)}")
     if term.height != 1.0:
         raise ValueError(f"term {term.name!r}: a .fis file has no height, got {term.height:g}")
     if not all(math.isfinite(v) for v in term.parameters):
         raise ValueError(f"term {term.name!r}: a .fis file needs finite numbers, got {term.parameters}")
-    name, places = SHAPE_NAMES[term.shape]
+    shape = SHAPES[term.shape]
     values = list(term.parameters)
-    for ours, theirs in enumerate(places):
+    for ours, theirs in enumerate(() if shape.listed else places(shape)):
         values[theirs] = term.parameters[ours]
-    return f"'{_name(term.name, 'term')}':'{name}',[{' '.join(show(v) for v in values)}]"
+    return f"'{_name(term.name, 'term')}':'{shape.fis}',[{' '.join(show(v) for v in values)}]"
 
 
 def _rule(rule: Rule, system: FuzzySystem) -> str:
