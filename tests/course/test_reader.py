@@ -32,12 +32,12 @@ def text(cell):
 
 
 def test_a_source_is_titled_with_its_file_and_its_name():
-    assert reader.source_of(robot.move).title == "fuzzynav/robot/model.py: move"
-    assert reader.source_of(robot.move, robot.Robot).title == "fuzzynav/robot/model.py: move, Robot"
+    assert reader.source_of(robot.move).title == "fuzzynav/robot/kinematics.py: move"
+    assert reader.source_of(robot.move, robot.body_speeds).title == "fuzzynav/robot/kinematics.py: move, body_speeds"
     assert reader.source_of(geometry).title == "fuzzynav/geometry.py"
     assert reader.source_of(course).title == "fuzzynav/course/__init__.py"
     both = reader.source_of(geometry.wrap, robot.move).title
-    assert both == "fuzzynav/geometry.py: wrap; fuzzynav/robot/model.py: move"
+    assert both == "fuzzynav/geometry.py: wrap; fuzzynav/robot/kinematics.py: move"
     for title in (reader.source_of(robot.move).title, both):
         for file in re.findall(r"fuzzynav/[\w/]+\.py", title):
             assert (HOME / file).is_file()
@@ -46,7 +46,7 @@ def test_a_source_is_titled_with_its_file_and_its_name():
 def test_the_source_is_the_installed_one():
     shown = reader.source_of(robot.move)
     assert "def move(" in repr(shown)
-    assert repr(shown).startswith("# fuzzynav/robot/model.py: move\n")
+    assert repr(shown).startswith("# fuzzynav/robot/kinematics.py: move\n")
     assert shown._repr_markdown_().count("```python") == 1
     assert "class Robot" in repr(reader.source_of(robot.Robot))
     assert "import numpy" in repr(reader.source_of(geometry))
@@ -90,7 +90,7 @@ def test_show_displays_wherever_it_stands_in_a_cell(small_notebook):
     first = small_notebook[1]
     assert [o.output_type for o in first] == ["display_data", "stream", "display_data"]
     assert "fuzzynav/geometry.py: wrap" in first[0].data["text/markdown"]
-    assert "fuzzynav/robot/model.py: move, body_speeds" in first[2].data["text/markdown"]
+    assert "fuzzynav/robot/kinematics.py: move, body_speeds" in first[2].data["text/markdown"]
     assert ["text/markdown" in o.data for o in small_notebook[2]] == [True, True]
 
 
