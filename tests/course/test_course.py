@@ -12,7 +12,7 @@ import numpy as np
 import psutil
 import pytest
 
-from fuzzynav import course, geometry, robot
+from fuzzynav import course
 from fuzzynav.course import Exercise, Wrong, grading
 from fuzzynav.course import exercises as exercise_folder
 from fuzzynav.course.__main__ import main
@@ -86,46 +86,12 @@ def test_an_exercise_is_complete(wrong):
         Exercise(**{**good, **wrong})
 
 
-# --- sources ------------------------------------------------------------------------------------
-
-
-def test_show_gives_the_installed_source():
-    shown = course.show(robot.move)
-    assert "def move(" in repr(shown)
-    assert "fuzzynav.robot.kinematics.move" in repr(shown)
-    assert shown._repr_markdown_().count("```python") == 1
-    assert repr(course.show(robot.move)) == repr(shown)
-
-
-def test_show_takes_classes_properties_modules_and_several():
-    assert "class Robot" in repr(course.show(robot.Robot))
-    assert "import numpy" in repr(course.show(geometry))
-    both = repr(course.show(geometry.wrap, geometry.compose))
-    assert "def wrap" in both
-    assert "def compose" in both
-
-
-@pytest.mark.parametrize("thing", [3.0, robot.THESIS, len])
-def test_show_says_what_has_no_source(thing):
-    with pytest.raises(ValueError, match="source to show"):
-        course.show(thing)
-
-
 # --- the exercises of the chapters --------------------------------------------------------------
 
 
 def test_an_unknown_exercise_is_named():
     with pytest.raises(ValueError, match=r"no exercise '77\.7'"):
         course.check("77.7", 1)
-
-
-@pytest.mark.parametrize("name", EXERCISES)
-def test_hints_lead_on(name):
-    hints = EXERCISES[name].hints
-    for number in range(1, len(hints) + 1):
-        assert repr(course.hint(name, number)).startswith(f"Hint {number} of {len(hints)}")
-    with pytest.raises(ValueError, match="has hints 1 to"):
-        course.hint(name, len(hints) + 1)
 
 
 def chapters_with_exercises() -> list[Path]:
