@@ -76,20 +76,20 @@ def _further() -> str:
     )
 
 
-def _distances_of_length(printed: float, run: Callable[[float], blend.FuzzyRun], within: float) -> tuple[int, int]:
+def _distances_of_length(printed: float, run: Callable[[float], Run], within: float) -> tuple[int, int]:
     """For how many d0 from 0.4 to 1 m, in steps of 0.1 m, the length comes out."""
     lengths = [run(d0 / 10.0).length for d0 in range(4, 11)]
     return sum(abs(length - printed) <= within + 1e-9 for length in lengths), len(lengths)
 
 
 @cache
-def _simulated(d0: float) -> blend.FuzzyRun:
+def _simulated(d0: float) -> Run:
     scheme = replace(FITTED, d0=d0)
     return blend.drive(scheme, SIMULATION_BLOCK, reference=SIMULATION, limited=False, euler=True)
 
 
 @cache
-def _imitated(d0: float) -> blend.FuzzyRun:
+def _imitated(d0: float) -> Run:
     scheme = replace(FITTED, d0=d0)
     return blend.drive(scheme, EXPERIMENT_BLOCK, reference=EXPERIMENT, robot=PIONEER_3DX, limited=False, euler=True)
 
@@ -99,9 +99,9 @@ def _windows() -> tuple[int, int]:
     return sum(f"{first:.0f} to {last:.0f}" == "26 to 36" for first, last in whole), len(whole)
 
 
-def _errors_grow(run: blend.FuzzyRun) -> bool:
+def _errors_grow(run: Run) -> bool:
     """Whether x, y and heading are further off while passing than before, and heading [rad] in numbers the most [m]."""
-    active = np.flatnonzero(run.weight > 0.0)
+    active = np.flatnonzero(run.log["weight"] > 0.0)
     off = np.abs(run.errors)
     before, during = off[: active[0]].max(axis=0), off[active[0] : active[-1] + 1].max(axis=0)
     return bool((during > before).all() and during[2] > during[:2].max())

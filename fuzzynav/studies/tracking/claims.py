@@ -74,16 +74,15 @@ def _inside_the_limits(euler: bool = True) -> bool:
     """Whether a robot ten times as fast and as quick would never be told more than the real one can."""
     fields = ("max_vel_x", "max_vel_theta", "acc_lim_x", "dec_lim_x", "acc_lim_theta")
     free = replace(TURTLEBOT2, **{name: 10.0 * getattr(TURTLEBOT2, name) for name in fields})
-    run = tracking.follow(tracking.Dfl(SIMULATION, GAINS, free, dt=0.1), euler=euler)
+    run = tracking.follow(tracking.Tracker(SIMULATION, GAINS, free, dt=0.1), euler=euler)
     v, omega = np.abs(run.commands).max(axis=0)
     return bool(v <= TURTLEBOT2.max_vel_x and omega <= TURTLEBOT2.max_vel_theta)
 
 
 @cache
-def _readings() -> tuple[tracking.Trace, ...]:
+def _readings() -> tuple[Run, ...]:
     """The simulation with Euler steps and with exact arcs: the thesis does not say which."""
-    law = tracking.Dfl(SIMULATION, GAINS, TURTLEBOT2, dt=0.1)
-    return simulation_run(), tracking.follow(law)
+    return simulation_run(), tracking.follow(tracking.Tracker(SIMULATION, GAINS, TURTLEBOT2, dt=0.1))
 
 
 def _integrators() -> tuple[int, int]:
