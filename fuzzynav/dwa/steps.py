@@ -89,7 +89,7 @@ class Params:
     @property
     def settings(self) -> Array:
         """The parameters as the kernels take them: an array of one `kernels.SETTINGS` record."""
-        plain = (*(getattr(self, name) for name in kernels.SETTINGS.names[:8]), self.distance == "end")
+        plain = (*(getattr(self, name) for name in kernels.NUMBERS), self.distance == "end")
         return np.array([(*plain, self.bound == "as_printed", self.blind)], dtype=kernels.SETTINGS)
 
 

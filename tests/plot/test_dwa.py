@@ -6,9 +6,9 @@ import pytest
 from PIL import Image
 
 from fuzzynav import dwa, lab, plot, simulate
+from fuzzynav.dwa import retuned
 from fuzzynav.dwa.fast import RULES
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.dwa import retuned
 from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa import claims, comparison
 from fuzzynav.world import Mover, World
