@@ -12,7 +12,7 @@ help:
 	@echo "make reproduce       run the studies that are missing or stale (FRESH=1: all), then print the ledger"
 	@echo "make bench           measure speed against other programs"
 	@echo "make handout         students' edition, without solutions, in handout/"
-	@echo "make grade IN=folder grade folder/STUDENT/*.ipynb into grades.csv"
+	@echo "make grade IN=folder grade folder/STUDENT/*.ipynb into grades.csv; also NB=05 OUT=file SECONDS=60 JOBS=2"
 	@echo "make reset NB=03     restore one notebook, keeping a backup"
 	@echo "make wheels          download all packages for seats without a network"
 	@echo "make notebooks NB=03 run notebooks and store their results"
@@ -20,7 +20,7 @@ help:
 
 lab: .venv/kernels
 	@echo "opening JupyterLab; stop it with Ctrl-C twice"
-	@$(RUN) -m jupyter lab notebooks/00_start_here.ipynb
+	@$(RUN) tools/lab.py notebooks/00_start_here.ipynb
 
 test:
 	@$(PYTHON) tools/environment.py --test
@@ -47,7 +47,8 @@ handout: .venv/kernels
 
 grade: .venv/kernels
 	@test -n "$(IN)" || { echo "fuzzynav: say which folder holds the students' folders: make grade IN=folder"; exit 2; }
-	@$(RUN) -m fuzzynav.course grade "$(IN)"
+	@$(RUN) -m fuzzynav.course grade "$(IN)" $(if $(NB),--notebook "$(NB)") $(if $(OUT),--out "$(OUT)") \
+		$(if $(SECONDS),--seconds "$(SECONDS)") $(if $(JOBS),--jobs "$(JOBS)")
 
 reset: .venv/kernels
 	@test -n "$(NB)" || { echo "fuzzynav: say which notebook: make reset NB=03"; exit 2; }

@@ -282,7 +282,7 @@ def test_one_list_of_dependencies() -> None:
     conda = yaml.safe_load((HOME / "environment.yml").read_text())
     pip = next(d["pip"] for d in conda["dependencies"] if isinstance(d, dict))
     assert conda["channels"] == ["conda-forge", "nodefaults"]
-    assert pip == ["-c constraints.txt", "-e ."]
+    assert pip == ["-c constraints.txt", "-e .[course]"]
     constraints = (HOME / "constraints.txt").read_text()
     assert "://" not in constraints
     pinned = {bare(line) for line in constraints.splitlines()}
@@ -294,7 +294,7 @@ def test_one_list_of_dependencies() -> None:
 
 def test_readme_gives_a_reason_for_each_dependency() -> None:
     readme = (HOME / "README.md").read_text()
-    for requirement in project()["dependencies"]:
+    for requirement in [*project()["dependencies"], *project()["optional-dependencies"]["course"]]:
         assert re.search(rf"^\| .*{bare(requirement)}.* \| .{{10,}} \|", readme, re.M | re.I), bare(requirement)
 
 

@@ -1,4 +1,4 @@
-"""Make the course's own Python environment: `python3 fuzzynav/environment.py [--test] [--bench] [--download]`.
+"""Make the course's own Python environment: `python3 tools/environment.py [--test] [--bench] [--download]`.
 
 Needs nothing but Python's standard library, says what it does, can be interrupted and run again,
 and ends with one clear line when something is missing. The Makefile calls it; on a machine without
@@ -8,6 +8,7 @@ is used in place of the network.
 
 import argparse
 import hashlib
+import re
 import shutil
 import subprocess
 import sys
@@ -125,7 +126,7 @@ def build(groups):
             )
     where = "from the folder wheels" if WHEELS.is_dir() else "from the package index"
     print("installing the packages of constraints.txt %s (first time: two to five minutes)" % where, flush=True)
-    target = "." + ("[" + ",".join(groups) + "]" if groups else "")
+    target = ".[" + ",".join(["course", *groups]) + "]"
     pip("install", "-c", "constraints.txt", "-e", target)
     for group, names in (("test", "tests/oracles.txt"), ("bench", "tests/bench/requirements.txt")):
         if group in groups:
@@ -134,12 +135,18 @@ def build(groups):
     stamp_of(groups).write_text(fingerprint(groups))
 
 
+def backend():
+    """What builds the package itself: pip fetches it apart from the package's own dependencies."""
+    text = (HOME / "pyproject.toml").read_text(encoding="utf-8")
+    return re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*?)\]", text, re.M).group(1))
+
+
 def download():
     """Fill wheels/ with everything that an installation without a network needs."""
     print("downloading every package into wheels/", flush=True)
     fresh = HOME / "wheels.part"
     shutil.rmtree(fresh, ignore_errors=True)
-    pip("wheel", "-w", str(fresh), "-c", "constraints.txt", ".[test]", "setuptools")
+    pip("wheel", "-w", str(fresh), "-c", "constraints.txt", ".[test]", *backend())
     pip("wheel", "-w", str(fresh), "--no-deps", "-r", "tests/oracles.txt")
     for own in fresh.glob("fuzzynav-*.whl"):
         own.unlink()

@@ -9,51 +9,54 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.tracking.kernels import _clip, _wrap
+from fuzzynav.robot.kernels import clip, wrap
 from fuzzynav.world.kernels import rectangle_hits, spacing
 
-__all__: list[str] = []
+__all__ = ["MEMORY", "closest", "gap", "nearest_on", "remember", "sight"]
 
 MEMORY = 512  # points that are remembered at most
 THIN = 0.02  # [m] points nearer to one another are one
+BEHIND = 0.05  # [m] a beam that ends so far behind a point has passed through it
+BESIDE = 0.03  # [rad] a beam further aside says nothing of a point
 
 
 @njit(cache=True)
-def _nearest_on(block: Array, x: float, y: float, out: Array) -> float:
+def nearest_on(block: Array, x: float, y: float, out: Array) -> float:
     """Nearest point of a rectangle x, y, width, height, theta; the signed distance to its edge is returned."""
+    x0, y0, wide, high = block[0], block[1], 0.5 * block[2], 0.5 * block[3]
     c, s = np.cos(block[4]), np.sin(block[4])
-    u, v = c * (x - block[0]) + s * (y - block[1]), c * (y - block[1]) - s * (x - block[0])
-    a, b = _clip(u, -0.5 * block[2], 0.5 * block[2]), _clip(v, -0.5 * block[3], 0.5 * block[3])
-    out[0], out[1], out[2], out[3] = block[0] + c * a - s * b, block[1] + s * a + c * b, 0.0, 0.0
-    across, up = abs(u) - 0.5 * block[2], abs(v) - 0.5 * block[3]
-    return np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0)
+    u, v = c * (x - x0) + s * (y - y0), c * (y - y0) - s * (x - x0)
+    a, b = clip(u, -wide, wide), clip(v, -high, high)
+    out[0], out[1], out[2], out[3] = x0 + c * a - s * b, y0 + s * a + c * b, 0.0, 0.0
+    across, up = abs(u) - wide, abs(v) - high
+    return float(np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0))
 
 
 @njit(cache=True)
-def _closest(points: Array, n: int, pose: Array) -> tuple[float, float]:
+def closest(points: Array, pose: Array) -> tuple[float, float]:
     """Distance from the robot's centre to the nearest point, and its bearing; inf and 0 without points."""
     best, at = np.inf, -1
-    for i in range(n):
+    for i in range(points.shape[0]):
         d = (points[i, 0] - pose[0]) ** 2 + (points[i, 1] - pose[1]) ** 2
         if d < best:
             best, at = d, i
     if at < 0:
         return np.inf, 0.0
-    return np.sqrt(best), _wrap(np.arctan2(points[at, 1] - pose[1], points[at, 0] - pose[0]) - pose[2])
+    return np.sqrt(best), wrap(np.arctan2(points[at, 1] - pose[1], points[at, 0] - pose[0]) - pose[2])
 
 
 @njit(cache=True)
-def _gap(points: Array, n: int, x: float, y: float, t: float) -> float:
+def gap(points: Array, x: float, y: float, t: float) -> float:
     """Distance [m] from a place to the nearest point, t seconds from now."""
     best = np.inf
-    for i in range(n):
+    for i in range(points.shape[0]):
         dx, dy = points[i, 0] + t * points[i, 2] - x, points[i, 1] + t * points[i, 3] - y
         best = min(best, dx * dx + dy * dy)
-    return np.sqrt(best)
+    return float(np.sqrt(best))
 
 
 @njit(cache=True)
-def _remember(memory: Array, count: int, seen: Array, pose: Array, reach: float, moving: bool) -> int:
+def remember(memory: Array, count: int, seen: Array, pose: Array, reach: float, moving: bool) -> int:
     """Points remembered after this scan: those that a beam now passes through go, new ones come."""
     kept = 0
     bearings, ranges = np.empty(seen.shape[0]), np.empty(seen.shape[0])
@@ -63,11 +66,11 @@ def _remember(memory: Array, count: int, seen: Array, pose: Array, reach: float,
     for i in range(0 if moving else count):
         dx, dy = memory[i, 0] - pose[0], memory[i, 1] - pose[1]
         r, b = np.hypot(dx, dy), np.arctan2(dy, dx)
-        stays = r > reach - 0.05
+        stays = r > reach - BEHIND
         for j in range(seen.shape[0]):
             if stays:
                 break
-            stays = ranges[j] < r + 0.05 and abs(_wrap(bearings[j] - b)) < 0.03
+            stays = ranges[j] < r + BEHIND and abs(wrap(bearings[j] - b)) < BESIDE
         if stays:
             memory[kept] = memory[i]
             kept += 1
@@ -84,7 +87,7 @@ def _remember(memory: Array, count: int, seen: Array, pose: Array, reach: float,
 
 
 @njit(cache=True)
-def _sight(block: Array, pose: Array, angles: Array, reach: float) -> Array:
+def sight(block: Array, pose: Array, angles: Array, reach: float) -> Array:
     """Points (n, 4) of a resting rectangle that beams of one scan meet."""
     if np.hypot(block[0] - pose[0], block[1] - pose[1]) > reach + 0.5 * np.hypot(block[2], block[3]):
         return np.empty((0, 4))
@@ -104,9 +107,9 @@ def _sight(block: Array, pose: Array, angles: Array, reach: float) -> Array:
 def _warm() -> None:
     """Compile with the types used in practice."""
     block, pose, out = np.array([1.0, 0.0, 0.2, 0.3, 0.0]), np.zeros(3), np.empty(4)
-    points = _sight(block, pose, np.linspace(-1.0, 1.0, 9), 2.0)
+    points = sight(block, pose, np.linspace(-1.0, 1.0, 9), 2.0)
     memory = np.empty((MEMORY, 4))
-    n = _remember(memory, 0, points, pose, 2.0, False)
-    _nearest_on(block, 0.0, 0.0, out)
-    _closest(memory, n, pose)
-    _gap(memory, n, 0.0, 0.0, 0.0)
+    n = remember(memory, 0, points, pose, 2.0, False)
+    nearest_on(block, 0.0, 0.0, out)
+    closest(memory[:n], pose)
+    gap(memory[:n], 0.0, 0.0, 0.0)

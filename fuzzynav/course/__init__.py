@@ -1,7 +1,7 @@
 """The course around the algorithms: sources shown, exercises, hints, solutions, handout and grading."""
 
-from fuzzynav.course.chapters import chapters
 from fuzzynav.course.exercise import Exercise, Outcome, Wrong
+from fuzzynav.course.overview import chapters
 from fuzzynav.course.reader import all_exercises, check, hint, items, show, solution
 from fuzzynav.course.readiness import ready
 

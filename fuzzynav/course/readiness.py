@@ -126,7 +126,8 @@ def _checked(part: str, check: Callable[[], Finding]) -> Finding:
 
 
 def _dependencies() -> tuple[str, ...]:
-    lines = [line for line in metadata.requires("fuzzynav") or [] if "extra ==" not in line]
+    """What the package itself and its extra `course` ask for."""
+    lines = [line for line in metadata.requires("fuzzynav") or [] if not re.search("extra == .(?!course)", line)]
     return tuple(sorted(re.split(r"[\[<>=;!~ ]", line)[0].lower() for line in lines))
 
 

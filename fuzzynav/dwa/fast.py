@@ -22,8 +22,8 @@ from fuzzynav.dwa.sight import border
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import AHEAD, INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.fuzzy.engine import infer_one
-from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot import THESIS, Robot
 from fuzzynav.robot.kernels import arc, limit, wrap

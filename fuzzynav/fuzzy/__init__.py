@@ -7,7 +7,7 @@
 | `operators` | AND, OR and hedges; `sets`: the notions of fuzzy set theory on samples |
 | `rules`, `variable` | rules and their text; linguistic variables and rule blocks |
 | `defuzzify`, `readable` | from a set to a number; inference spelt out, to be read and tested against |
-| `compiled`, `packing` | a system as flat tables, and how they reach compiled code |
+| `compiled` | a system as flat tables |
 | `kernels`, `set_kernels`, `engine` | the compiled evaluation; `engine.infer_one` serves kernels of other rooms |
 | `system`, `inference`, `gaps` | `FuzzySystem`, why it answered as it did, where its rules are silent |
 | `files` | FuzzyLite's .fll, MATLAB's .fis, and the exchange with scikit-fuzzy |

@@ -1,23 +1,53 @@
-"""A fuzzy system as flat tables: what the compiled evaluation reads instead of objects (see `packing`)."""
+"""A fuzzy system as flat tables: what the compiled evaluation reads instead of objects."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzynav.fuzzy import codes
 from fuzzynav.fuzzy.membership import SHAPES, Term, breakpoints
 from fuzzynav.fuzzy.operators import CONORMS, HEDGES, NORMS
-from fuzzynav.fuzzy.packing import Codes, Parts, Tables, pack
 from fuzzynav.fuzzy.rules import And, Antecedent, Or, Proposition, propositions
 from fuzzynav.fuzzy.variable import DEFUZZIFIERS, MAX_SAMPLES, QUADRATURES, WEIGHTED, RuleBlock, Variable
 from fuzzynav.geometry import Array
 
-__all__ = ["Compiled", "Slot", "check_size", "compile_system", "sample_weights"]
+__all__ = ["Codes", "Compiled", "Parts", "Slot", "Tables", "check_size", "compile_system", "sample_weights"]
+
+
+Codes = NDArray[np.int64]
+Tables = tuple[Any, ...]
+"""A system as compiled code takes it, the fields of `Parts` in their order: `FuzzySystem.tables`, read-only."""
+
+
+class Parts(NamedTuple):
+    """The tables of a system by name; i counts inputs, o outputs, t terms (inputs' first), r rules, s concluded sets.
+
+    Built inside compiled code, `Parts(*tables)`: there a name costs nothing, on the way from Python it costs
+    microseconds. The columns have names in `codes`. An output that is sampled has rows in `sampled`, an exact one
+    corners in `knots` and the lines between them.
+    """
+
+    n_input_terms: int
+    terms: Codes  # (t, 4): SHAPE, OWNER, FIRST, PAIRS
+    propositions: Codes  # (p, 1 + hedges): TERM (-1: any), FIRST_HEDGE ...
+    program: Codes  # (k, 5): an operation and its operands
+    consequents: Codes  # (c, 2 + hedges): RULE, SET, FIRST_CONCLUSION_HEDGE ..., sorted by set
+    slots: Codes  # (s, 4): SLOT_OUTPUT, SLOT_TERM, IMPLICATION, MERGE
+    outputs: Codes  # (o, 6): FIRST_SET, SETS, AGGREGATION, DEFUZZIFIER, QUADRATURE, SAMPLES
+    ranges: Array  # (i, 3): LOW, HIGH, LOCKED
+    numbers: Array  # (t, 5): up to four parameters, HEIGHT
+    lists: Array  # (l,) numbers of discrete and linear terms
+    weights: Array  # (r,)
+    settings: Array  # (o, 6): low, high, default, centre, lock_range, lock_previous
+    sampled: Array  # (o, 2 + sets, samples): PLACES from the centre, WEIGHTS, FIRST_ROW ...
+    knots: Array  # (o, m)
+    lines: Array  # (o, m - 1, sets, 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +97,9 @@ def compile_system(
         ranges=np.array([(v.low, v.high, float(v.lock_range)) for v in inputs]), numbers=numbers, lists=lists,
         weights=weights, settings=settings, sampled=sampled, knots=knots, lines=lines,
     )  # fmt: skip
-    return Compiled(tables=pack(parts), slots=slots, n_terms=n_terms, n_rules=len(weights))
+    for array in parts[1:]:
+        array.setflags(write=False)
+    return Compiled(tables=tuple(parts), slots=slots, n_terms=n_terms, n_rules=len(weights))
 
 
 def check_size(outputs: tuple[Variable, ...], blocks: tuple[RuleBlock, ...]) -> None:

@@ -2,6 +2,7 @@
 
 Points are worked through in blocks of 64, so that the loops over a block run in vector registers. Each output set is
 clipped once for each term, with the strongest of the rules that conclude it: that is exact for max aggregation.
+Steps that take all tables by name are inlined, since every array that is handed on is counted on the way.
 """
 
 from __future__ import annotations
@@ -11,12 +12,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fuzzynav.fuzzy import codes
-from fuzzynav.fuzzy.compiled import compile_system
+from fuzzynav.fuzzy.compiled import Codes, Parts, Tables, compile_system
 from fuzzynav.fuzzy.kernels import conorm, gaussian_row, hedged, member, norm
 from fuzzynav.fuzzy.membership import Term
-from fuzzynav.fuzzy.packing import Codes, Parts, Tables, unpack
 from fuzzynav.fuzzy.rules import Rule
 from fuzzynav.fuzzy.set_kernels import aggregate, exact_centroid, max_min_centroid, of_samples, weighted
 from fuzzynav.fuzzy.variable import RuleBlock, Variable
@@ -24,6 +25,7 @@ from fuzzynav.geometry import Array
 
 __all__ = ["infer_one", "run"]
 
+Mask = NDArray[np.bool_]
 _BLOCK = 64
 
 
@@ -37,38 +39,41 @@ class Work(NamedTuple):
     firing: Array  # (n_rules, width)
     h: Array  # (n_sets, width) strengths of the concluded sets
     answer: Array  # (width,)
+    fires: Mask  # (width,) whether the output at hand hears a rule
+    missing: Mask  # (width,) whether an input is nan
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _room(t: Parts, width: int) -> Work:
     n = t.propositions.shape[0]
     return Work(
         np.empty((width, t.ranges.shape[0])), np.empty((t.n_input_terms, width)), np.empty((n, width)),
         np.empty((n + 1, width)), np.empty((t.weights.size, width)), np.empty((t.slots.shape[0], width)),
-        np.empty(width),
+        np.empty(width), np.empty(width, np.bool_), np.empty(width, np.bool_),
     )  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _fuzzify(t: Parts, points: Array, mu: Array) -> None:
     """Memberships mu (n_terms, width) of the points (width, n_inputs)."""
+    terms, ranges, parameters, lists = t.terms, t.ranges, t.numbers, t.lists
     width = points.shape[0]
     column, bits = np.empty(width), np.empty(width)
     loaded = -1
     for term in range(mu.shape[0]):
-        i, code = t.terms[term, codes.OWNER], t.terms[term, codes.SHAPE]
+        i, code = terms[term, codes.OWNER], terms[term, codes.SHAPE]
         if i != loaded:
             loaded = i
             for p in range(width):
                 column[p] = points[p, i]
-                if t.ranges[i, codes.LOCKED] > 0.0 and not math.isnan(column[p]):
-                    column[p] = min(max(column[p], t.ranges[i, codes.LOW]), t.ranges[i, codes.HIGH])
+                if ranges[i, codes.LOCKED] > 0.0 and not math.isnan(column[p]):
+                    column[p] = min(max(column[p], ranges[i, codes.LOW]), ranges[i, codes.HIGH])
         if code == codes.GAUSSIAN:
-            gaussian_row(column, t.numbers[term], bits, mu[term])
+            gaussian_row(column, parameters[term], bits, mu[term])
         else:
-            first, pairs, numbers = t.terms[term, codes.FIRST], t.terms[term, codes.PAIRS], t.numbers[term]
+            first, pairs, numbers = terms[term, codes.FIRST], terms[term, codes.PAIRS], parameters[term]
             for p in range(width):
-                mu[term, p] = member(code, numbers, column[p], t.lists, first, pairs)
+                mu[term, p] = member(code, numbers, column[p], lists, first, pairs)
 
 
 @njit(cache=True)
@@ -173,12 +178,13 @@ def _conclude(firing: Array, consequents: Codes, slots: Codes, h: Array) -> None
         c += 1
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _output(o: int, t: Parts, h: Array, points: Array, answer: Array) -> None:
     """Crisp answers (width,) of output o, measured from the centre of its range; nan where nothing fires."""
-    first, n = t.outputs[o, codes.FIRST_SET], t.outputs[o, codes.SETS]
-    defuzzifier, quadrature = t.outputs[o, codes.DEFUZZIFIER], t.outputs[o, codes.QUADRATURE]
-    aggregation, samples = t.outputs[o, codes.AGGREGATION], t.outputs[o, codes.SAMPLES]
+    output = t.outputs[o]
+    first, n, samples = output[codes.FIRST_SET], output[codes.SETS], output[codes.SAMPLES]
+    defuzzifier, quadrature = output[codes.DEFUZZIFIER], output[codes.QUADRATURE]
+    aggregation = output[codes.AGGREGATION]
     width = answer.size
     own, mine = h[first : first + n], t.slots[first : first + n]
     implied, clipped = np.empty(n, np.int64), True
@@ -220,7 +226,7 @@ def _settle(answer: float, fires: bool, previous: float, settings: Array) -> flo
     return min(max(value, low), high) if lock_range > 0.0 and not math.isnan(value) else value
 
 
-@njit(cache=True)
+@njit(cache=True, inline="always")
 def _reason(t: Parts, work: Work, fuzzify: bool) -> None:
     """From the points, or from memberships that are given, to the strengths of the concluded sets."""
     if fuzzify:
@@ -231,27 +237,29 @@ def _reason(t: Parts, work: Work, fuzzify: bool) -> None:
 
 
 @njit(cache=True)
-def _fires(t: Parts, o: int, h: Array, p: int) -> bool:
-    """Whether any set of output o is concluded at point p of the block."""
-    first, count = t.outputs[o, codes.FIRST_SET], t.outputs[o, codes.SETS]
-    for k in range(first, first + count):
-        if h[k, p] > 0.0:
-            return True
-    return False
+def _mark(output: Codes, h: Array, fires: Mask) -> None:
+    """Where in the block any set of an output (its row of `outputs`) is concluded."""
+    first = output[codes.FIRST_SET]
+    for p in range(fires.size):
+        fires[p] = False
+    for k in range(first, first + output[codes.SETS]):
+        for p in range(fires.size):
+            fires[p] = fires[p] or h[k, p] > 0.0
 
 
 @njit(cache=True)
-def _is_missing(point: Array) -> bool:
-    for i in range(point.size):
-        if math.isnan(point[i]):
-            return True
-    return False
+def _mark_missing(points: Array, missing: Mask) -> None:
+    """Where in the block an input is nan."""
+    for p in range(missing.size):
+        missing[p] = False
+        for i in range(points.shape[1]):
+            missing[p] = missing[p] or math.isnan(points[p, i])
 
 
 @njit(cache=True)
-def _witness(work: Work, p: int, missing: bool, row: Array) -> None:
+def _witness(work: Work, p: int, row: Array) -> None:
     """The evidence at point p of the block: memberships, firing and strengths, end to end."""
-    n_terms, n_rules = work.mu.shape[0], work.firing.shape[0]
+    n_terms, n_rules, missing = work.mu.shape[0], work.firing.shape[0], work.missing[p]
     for k in range(n_terms):
         row[k] = work.mu[k, p]
     for k in range(n_rules):
@@ -261,37 +269,37 @@ def _witness(work: Work, p: int, missing: bool, row: Array) -> None:
 
 
 @njit(cache=True)
-def run(points: Array, degrees: Array, previous: Array, tables: Codes, numbers: Array, values: Array,
-        evidence: Array) -> None:  # fmt: skip
-    """Evaluate all points (n, n_inputs) with packed tables and write values (n, n_outputs).
+def run(points: Array, degrees: Array, previous: Array, tables: Tables, values: Array, evidence: Array) -> None:
+    """Evaluate all points (n, n_inputs) with the tables of a system and write values (n, n_outputs).
 
     `degrees` (n, n_input_terms), when it has columns, replaces the fuzzification of the points; `previous`
     (n, n_outputs), when it has rows, holds earlier answers; `evidence` (n, n_input_terms + n_rules + n_sets) is written
     when it has rows.
     """
-    t = unpack(tables, numbers)
+    t = Parts(*tables)
     n, n_in = points.shape
-    wide, fuzzify = max(1, min(n, _BLOCK)), degrees.shape[1] == 0
+    n_out, wide, fuzzify = t.outputs.shape[0], max(1, min(n, _BLOCK)), degrees.shape[1] == 0
     work = _room(t, wide)
+    block, mu, answer, fires, missing = work.points, work.mu, work.answer, work.fires, work.missing
     for start in range(0, n, wide):
         width = min(wide, n - start)
         for p in range(width):
             for i in range(n_in):
-                work.points[p, i] = points[start + p, i]
+                block[p, i] = points[start + p, i]
             for k in range(degrees.shape[1]):
-                work.mu[k, p] = degrees[start + p, k]
+                mu[k, p] = degrees[start + p, k]
         _reason(t, work, fuzzify)
-        for o in range(t.outputs.shape[0]):
-            _output(o, t, work.h, work.points, work.answer)
+        _mark_missing(block, missing)
+        for o in range(n_out):
+            _output(o, t, work.h, block, answer)
+            _mark(t.outputs[o], work.h, fires)
+            settings = t.settings[o]
             for p in range(width):
                 before = previous[start + p, o] if previous.shape[0] > 0 else math.nan
-                values[start + p, o] = _settle(work.answer[p], _fires(t, o, work.h, p), before, t.settings[o])
-        for p in range(width):
-            missing = _is_missing(work.points[p])
-            for o in range(t.outputs.shape[0] if missing else 0):
-                values[start + p, o] = math.nan
-            if evidence.shape[0] > 0:
-                _witness(work, p, missing, evidence[start + p])
+                found = _settle(answer[p], fires[p], before, settings)
+                values[start + p, o] = math.nan if missing[p] else found
+        for p in range(width if evidence.shape[0] > 0 else 0):
+            _witness(work, p, evidence[start + p])
 
 
 @njit(cache=True)
@@ -301,17 +309,18 @@ def infer_one(tables: Tables, inputs: Array, out: Array) -> float:
     `tables` is `FuzzySystem.tables`. Gives the strength of the strongest rule: 0 where the answers are the stated
     defaults because no rule fires, nan where an input is nan.
     """
-    t = unpack(tables.codes, tables.numbers)
+    t = Parts(*tables)
     work = _room(t, 1)
     for i in range(inputs.size):
         work.points[0, i] = inputs[i]
     _reason(t, work, True)
-    missing = _is_missing(inputs)
+    _mark_missing(work.points, work.missing)
     for o in range(t.outputs.shape[0]):
         _output(o, t, work.h, work.points, work.answer)
-        found = _settle(work.answer[0], _fires(t, o, work.h, 0), math.nan, t.settings[o])
-        out[o] = math.nan if missing else found
-    return math.nan if missing else work.firing.max()
+        _mark(t.outputs[o], work.h, work.fires)
+        found = _settle(work.answer[0], work.fires[0], math.nan, t.settings[o])
+        out[o] = math.nan if work.missing[0] else found
+    return math.nan if work.missing[0] else work.firing.max()
 
 
 def _warm() -> None:
@@ -319,5 +328,5 @@ def _warm() -> None:
     x, y = (Variable(name=name, low=0, high=1, terms=(term,)) for name in "xy")
     tables = compile_system((x,), (y,), (RuleBlock(rules=(Rule.parse("if x is Low then y is Low"),)),)).tables
     point, empty = np.zeros((1, 1)), np.empty((0, 0))
-    run(point, empty, empty, *tables, np.empty((1, 1)), empty)
+    run(point, empty, empty, tables, np.empty((1, 1)), empty)
     infer_one(tables, point[0], np.empty(1))

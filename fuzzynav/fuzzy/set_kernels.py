@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from fuzzynav.fuzzy import codes
+from fuzzynav.fuzzy.compiled import Codes, Parts
 from fuzzynav.fuzzy.kernels import conorm, inverse_member, norm
-from fuzzynav.fuzzy.packing import Codes, Parts
 from fuzzynav.geometry import Array
 
 __all__ = ["aggregate", "exact_centroid", "max_min_centroid", "of_samples", "weighted"]
@@ -209,17 +209,18 @@ def of_samples(defuzzifier: int, quadrature: int, sampled: Array, mu: Array) -> 
 @njit(cache=True)
 def weighted(average: bool, h: Array, slots: Codes, t: Parts, x: Array) -> float:
     """Sum of strength times consequent over the rules, divided by the strengths if `average`; nan if none fires."""
+    terms, lists, numbers = t.terms, t.lists, t.numbers
     total, weight = 0.0, 0.0
     for k in range(h.size):
         if h[k] > 0.0:
             term = slots[k, codes.SLOT_TERM]
-            if t.terms[term, codes.SHAPE] == codes.LINEAR:
-                first = t.terms[term, codes.FIRST]
-                z = t.lists[first + x.size]
+            if terms[term, codes.SHAPE] == codes.LINEAR:
+                first = terms[term, codes.FIRST]
+                z = lists[first + x.size]
                 for i in range(x.size):
-                    z += t.lists[first + i] * x[i]
+                    z += lists[first + i] * x[i]
             else:
-                z = inverse_member(t.terms[term, codes.SHAPE], t.numbers[term], h[k])
+                z = inverse_member(terms[term, codes.SHAPE], numbers[term], h[k])
             total += h[k] * z
             weight += h[k]
     if weight == 0.0:

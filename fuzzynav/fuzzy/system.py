@@ -10,13 +10,12 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.fuzzy.compiled import Compiled, check_size, compile_system
+from fuzzynav.fuzzy.compiled import Compiled, Tables, check_size, compile_system
 from fuzzynav.fuzzy.defuzzify import mean_of_maximum
 from fuzzynav.fuzzy.engine import run
 from fuzzynav.fuzzy.gaps import Gaps, combinations, grid
 from fuzzynav.fuzzy.inference import Inference
 from fuzzynav.fuzzy.membership import Term
-from fuzzynav.fuzzy.packing import Tables
 from fuzzynav.fuzzy.rules import Proposition, Rule, propositions
 from fuzzynav.fuzzy.sets import match, places
 from fuzzynav.fuzzy.variable import WEIGHTED, RuleBlock, Variable, tuple_of
@@ -97,7 +96,7 @@ class FuzzySystem:
         points, shape = self._points(inputs)
         before = _EMPTY if previous is None else self._previous(previous, shape)
         values = np.empty((len(points), len(self.outputs)))
-        run(points, _EMPTY, before, *self.tables, values, _EMPTY)
+        run(points, _EMPTY, before, self.tables, values, _EMPTY)
         if shape == ():
             return tuple(values[0].tolist())
         return tuple(values[:, k].reshape(shape) for k in range(len(self.outputs)))
@@ -159,7 +158,7 @@ class FuzzySystem:
         compiled = self._compiled()
         ends = np.cumsum([compiled.n_terms, compiled.n_rules, len(compiled.slots)])
         values, evidence = np.empty((len(points), len(self.outputs))), np.empty((len(points), ends[-1]))
-        run(points, degrees, before, *compiled.tables, values, evidence)
+        run(points, degrees, before, compiled.tables, values, evidence)
         memberships, firing, strengths = np.split(evidence, ends[:-1], axis=1)
         return values, memberships, firing, strengths
 

@@ -18,7 +18,7 @@ from fuzzynav.fuzzy.rules import Rule
 from fuzzynav.geometry import Array
 
 __all__ = ["DEFUZZIFIERS", "MAX_RESOLUTION", "MAX_SAMPLES", "QUADRATURES", "Defuzzifier", "RuleBlock", "Variable",
-           "WEIGHTED", "one_of", "tuple_of"]  # fmt: skip
+           "WEIGHTED", "tuple_of"]  # fmt: skip
 
 _T = TypeVar("_T")
 
@@ -58,7 +58,7 @@ MAX_SAMPLES = 10_000_000
 """Largest number of samples of all sets of an output together, which take 80 MB."""
 
 
-def one_of(value: object, known: Collection[str], what: str) -> None:
+def _one_of(value: object, known: Collection[str], what: str) -> None:
     """Raise ValueError that names `what` and lists the known words unless the value is one of them."""
     if not isinstance(value, str) or value not in known:
         raise ValueError(f"{what}: got {value!r}; known: {', '.join(known)}")
@@ -113,18 +113,16 @@ class Variable:
             except (TypeError, ValueError):
                 raise ValueError(f"{here}: {name} must be a number, got {getattr(self, name)!r}") from None
             object.__setattr__(self, name, math.nan if math.isnan(value) else value)
-        one_of(self.defuzzifier, DEFUZZIFIERS, f"{here}, defuzzifier")
+        _one_of(self.defuzzifier, DEFUZZIFIERS, f"{here}, defuzzifier")
         if self.aggregation is None:
             object.__setattr__(self, "aggregation", "sum" if self.defuzzifier in WEIGHTED else "max")
-        one_of(self.aggregation, CONORMS, f"{here}, aggregation")
-        one_of(self.quadrature, QUADRATURES, f"{here}, quadrature")
+        _one_of(self.aggregation, CONORMS, f"{here}, aggregation")
+        _one_of(self.quadrature, QUADRATURES, f"{here}, quadrature")
         if not self.low < self.high:
             raise ValueError(f"{here}: the range must have low < high, got {self.low:g} to {self.high:g}")
         ends = [v for v in (self.low, self.high) if LARGEST < abs(v) < math.inf]
         if ends:
-            raise ValueError(
-                f"{here}: the range must end within -{LARGEST:g} to {LARGEST:g}, or be inf, got {ends[0]:g}"
-            )
+            raise ValueError(f"{here}: the range must stay within -{LARGEST:g} to {LARGEST:g}, got {ends[0]:g}")
         names = [term.name for term in self.terms]
         if len(set(names)) < len(names):
             raise ValueError(f"{here}: two terms have one name: {', '.join(names)}")
@@ -155,6 +153,10 @@ class Variable:
     def with_term(self, name: str, parameters: Sequence[float]) -> Variable:
         """The same variable with other parameters for one term. Raises ValueError as `Term` does."""
         old = self.term(name)
+        if not isinstance(parameters, Iterable) or isinstance(parameters, str):
+            raise ValueError(
+                f"variable {self.name!r}: term {name!r}: parameters must be a list of numbers, got {parameters!r}"
+            )
         try:
             new = replace(old, parameters=tuple(parameters))
         except ValueError as error:
@@ -271,8 +273,8 @@ class RuleBlock:
         for rule in rules:
             if not isinstance(rule, Rule):
                 raise ValueError(f"{here}: expected Rule objects or rule texts, got {rule!r}")
-        one_of(self.conjunction, NORMS, f"{here}, conjunction")
-        one_of(self.disjunction, CONORMS, f"{here}, disjunction")
-        one_of(self.implication, NORMS, f"{here}, implication")
+        _one_of(self.conjunction, NORMS, f"{here}, conjunction")
+        _one_of(self.disjunction, CONORMS, f"{here}, disjunction")
+        _one_of(self.implication, NORMS, f"{here}, implication")
         if self.activation != "general":
             raise ValueError(f"{here}: activation {self.activation!r} is not supported; use general")

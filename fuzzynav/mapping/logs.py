@@ -5,7 +5,12 @@ The package rtb-data brings the Killian log: 3873 laser scans and 4987 measured 
 
 from __future__ import annotations
 
+import struct
 import zipfile
+import zlib
+from array import array
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from importlib import resources
 from io import BytesIO
@@ -15,13 +20,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzynav.geometry import Array, read_only
+from fuzzynav.maps.text import is_whole, read_bytes, shown, text_of
 
 __all__ = ["ScanLog", "killian", "parse_g2o", "read_g2o"]
 
-LARGEST = 200_000_000  # bytes of text that are read from an archive
+LARGEST = 100_000_000  # bytes of text
+LONGEST_LINE = 1_000_000  # characters
+SMALL, RATIO = 1_000_000, 20  # bytes that an archive may always unpack to, and how many times its own size
 _SCAN_HEAD = 9  # words of a ROBOTLASER1 line before its ranges, with the tag
 # order of the upper triangle of the information matrix, over x, y, theta
 _G2O, _TORO = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)), ((0, 0), (0, 1), (1, 1), (2, 2), (0, 2), (1, 2))
+_BROKEN = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    NotImplementedError,
+    RuntimeError,
+    OSError,
+    EOFError,
+    ValueError,
+    LookupError,
+    OverflowError,
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,21 +68,27 @@ class ScanLog:
     @property
     def odometry_edges(self) -> NDArray[np.bool_]:
         """Which edges `(m,)` join a pose to the next one."""
-        return self.edges[:, 1] - self.edges[:, 0] == 1
+        return np.asarray(self.edges[:, 1] - self.edges[:, 0] == 1)
 
 
 @dataclass(slots=True)
 class _Parts:
-    """What has been read so far."""
+    """What has been read so far: flat numbers, eight bytes each, and the lines they stand in."""
 
     name: str
-    poses: list[list[float]] = field(default_factory=list)
-    pose_lines: list[int] = field(default_factory=list)
-    edges: list[tuple[int, int, int]] = field(default_factory=list)  # from, to, line
-    motions: list[list[float]] = field(default_factory=list)
-    information: list[Array] = field(default_factory=list)
-    heads: list[tuple[float, ...]] = field(default_factory=list)
-    ranges: list[Array] = field(default_factory=list)
+    poses: array[float] = field(default_factory=lambda: array("d"))
+    pose_lines: array[int] = field(default_factory=lambda: array("q"))
+    edges: array[int] = field(default_factory=lambda: array("q"))  # from, to
+    edge_lines: array[int] = field(default_factory=lambda: array("q"))
+    motions: array[float] = field(default_factory=lambda: array("d"))
+    information: array[float] = field(default_factory=lambda: array("d"))  # 3 x 3 each
+    head: list[float] = field(default_factory=list)  # of every scan: what stands before its ranges
+    ranges: array[float] = field(default_factory=lambda: array("d"))
+    scans: int = 0
+
+    def refuse(self, line: int, what: str) -> ValueError:
+        """The error that names the line."""
+        return ValueError(f"{self.name}, line {line}: {what}")
 
 
 def killian() -> ScanLog:
@@ -81,36 +107,47 @@ def killian() -> ScanLog:
 def read_g2o(path: str | Path) -> ScanLog:
     """Log from a `.g2o` or TORO text file, or from a `.zip` that holds one.
 
-    Raises ValueError with file and line for what cannot be read, FileNotFoundError where there is no file.
+    Memory: at most 15 times the text, which has at most 100 MB; an archive may unpack to 20 times its own size, or
+    1 MB. Raises ValueError with file and line for what cannot be read, FileNotFoundError where there is no file.
     """
-    file = Path(path)
-    if not file.is_file():
-        raise FileNotFoundError(f"{path}: no such file")
-    content = file.read_bytes()
-    if file.suffix == ".zip":
-        return parse_g2o(_from_archive(content, str(path)), str(path))
-    try:
-        return parse_g2o(content.decode("ascii"), str(path))
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{path}: not a text file (byte {error.start})") from error
+    content = read_bytes(path, LARGEST)
+    zipped = Path(path).suffix.lower() == ".zip"
+    return parse_g2o(_from_archive(content, str(path)) if zipped else text_of(content, path), str(path))
 
 
 def _from_archive(content: bytes, name: str) -> str:
-    """The text of the one log in an archive, read in memory."""
+    """The text of the one log in an archive, read in memory and no further than it may be long."""
+    longest = min(max(SMALL, RATIO * len(content)), LARGEST)
+    with _intact(name):
+        archive = zipfile.ZipFile(BytesIO(content))
+    member = _the_log(archive, name)
+    with _intact(name), archive.open(member) as file:
+        told = file.read(longest + 1)
+    if len(told) > longest:
+        raise ValueError(f"{name}: {shown(member.filename)} unpacks to over {longest} bytes, more than a log does")
+    return text_of(told, f"{name}: {shown(member.filename)}")
+
+
+@contextmanager
+def _intact(name: str) -> Iterator[None]:
+    """Whatever a damaged archive makes zipfile raise, as a ValueError with the file's name."""
     try:
-        with zipfile.ZipFile(BytesIO(content)) as archive:
-            members = [
-                m
-                for m in archive.infolist()
-                if m.filename.endswith((".g2o", ".toro", ".graph")) and not m.filename.startswith("__MACOSX")
-            ]
-            if len(members) != 1:
-                raise ValueError(f"{name}: expected one .g2o file in the archive, found {len(members)}")
-            if members[0].file_size > LARGEST:
-                raise ValueError(f"{name}: {members[0].filename} has over {LARGEST} bytes")
-            return archive.read(members[0]).decode("ascii")
-    except (zipfile.BadZipFile, UnicodeDecodeError, EOFError) as error:
-        raise ValueError(f"{name}: the archive is damaged: {error}") from error
+        yield
+    except _BROKEN as error:
+        raise ValueError(f"{name}: the archive is damaged: {shown(str(error), 100)}") from error
+
+
+def _the_log(archive: zipfile.ZipFile, name: str) -> zipfile.ZipInfo:
+    """The one log of an archive, if it is stored or deflated in the clear; raises ValueError otherwise."""
+    endings = (".g2o", ".toro", ".graph")
+    logs = [m for m in archive.infolist() if m.filename.endswith(endings) and not m.filename.startswith("__MACOSX")]
+    if len(logs) != 1:
+        raise ValueError(f"{name}: expected one .g2o file in the archive, found {len(logs)}")
+    if logs[0].flag_bits & 1:
+        raise ValueError(f"{name}: {shown(logs[0].filename)} is encrypted")
+    if logs[0].compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+        raise ValueError(f"{name}: {shown(logs[0].filename)} must be stored or deflated in the archive")
+    return logs[0]
 
 
 def parse_g2o(text: str, name: str = "the log") -> ScanLog:
@@ -124,14 +161,28 @@ def parse_g2o(text: str, name: str = "the log") -> ScanLog:
     """
     parts = _Parts(name)
     readers = {"VERTEX_SE2": _vertex, "VERTEX2": _vertex, "EDGE_SE2": _edge, "EDGE2": _edge, "ROBOTLASER1": _scan}
-    for n, line in enumerate(text.split("\n"), start=1):
+    for n, line in enumerate(_lines(text.removeprefix("\ufeff")), start=1):
+        if len(line) > LONGEST_LINE:
+            raise parts.refuse(n, f"over {LONGEST_LINE} characters; is this a log?")
         words = line.split()
         if not words or words[0].startswith("#") or words[0] == "FIX":
             continue
         if words[0] not in readers:
-            raise ValueError(f"{name}, line {n}: {words[0]!r} is not one of {', '.join(readers)}")
+            raise parts.refuse(n, f"{shown(words[0])} is not one of {', '.join(readers)}")
+        if not line.isascii() or "_" in line.removeprefix(words[0]):
+            raise parts.refuse(n, f"{words[0]}: numbers are plain digits, without underscores")
         readers[words[0]](parts, words, n)
     return _finish(parts)
+
+
+def _lines(text: str) -> Iterator[str]:
+    """The lines one after the other, so that the text is not held twice."""
+    start = 0
+    while start <= len(text):
+        end = text.find("\n", start)
+        end = len(text) if end < 0 else end
+        yield text[start : min(end, start + LONGEST_LINE + 1)]
+        start = end + 1
 
 
 def _numbers(parts: _Parts, words: list[str], n: int, what: str) -> list[float]:
@@ -139,94 +190,107 @@ def _numbers(parts: _Parts, words: list[str], n: int, what: str) -> list[float]:
     try:
         values = [float(w) for w in words]
     except ValueError as error:
-        raise ValueError(f"{parts.name}, line {n}: {what}: {error}") from error
+        raise parts.refuse(n, f"{what}: {str(error)[:100]}") from error
     if not np.isfinite(values).all():
-        raise ValueError(f"{parts.name}, line {n}: {what}: a number is not finite")
+        raise parts.refuse(n, f"{what}: a number is not finite")
     return values
+
+
+def _whole(parts: _Parts, words: list[str], n: int, what: str) -> list[int]:
+    """Words as whole numbers of 0 or more, or a ValueError that names the line."""
+    wrong = [w for w in words if not is_whole(w)]
+    if wrong:
+        raise parts.refuse(n, f"{what} must be whole numbers of 0 or more, got {shown(wrong[0])}")
+    return [int(w) for w in words]
 
 
 def _count(parts: _Parts, words: list[str], n: int, wanted: int) -> None:
     if len(words) != wanted:
-        raise ValueError(
-            f"{parts.name}, line {n}: {words[0]} needs {wanted - 1} numbers, this line has "
-            f"{len(words) - 1}; is the log cut here?"
+        raise parts.refuse(
+            n, f"{words[0]} needs {wanted - 1} numbers, this line has {len(words) - 1}; is the log cut here?"
         )
 
 
 def _vertex(parts: _Parts, words: list[str], n: int) -> None:
     _count(parts, words, n, 5)
-    number, *pose = _numbers(parts, words[1:], n, words[0])
-    if number != len(parts.poses):
-        raise ValueError(f"{parts.name}, line {n}: vertex {words[1]} where {len(parts.poses)} is due")
-    parts.poses.append(pose)
+    (number,) = _whole(parts, words[1:2], n, "the numbers of vertices")
+    if number != len(parts.pose_lines):
+        raise parts.refuse(n, f"vertex {number} where {len(parts.pose_lines)} is due")
+    parts.poses.extend(_numbers(parts, words[2:], n, words[0]))
     parts.pose_lines.append(n)
 
 
 def _edge(parts: _Parts, words: list[str], n: int) -> None:
     _count(parts, words, n, 12)
-    first, second, *rest = _numbers(parts, words[1:], n, words[0])
-    parts.edges.append((int(first), int(second), n))
-    parts.motions.append(rest[:3])
-    matrix = np.zeros((3, 3))
-    for (i, j), value in zip(_G2O if words[0] == "EDGE_SE2" else _TORO, rest[3:], strict=True):
-        matrix[i, j] = matrix[j, i] = value
-    parts.information.append(matrix)
+    parts.edges.extend(_whole(parts, words[1:3], n, "the vertices of an edge"))
+    parts.edge_lines.append(n)
+    values = _numbers(parts, words[3:], n, words[0])
+    parts.motions.extend(values[:3])
+    matrix = [0.0] * 9
+    for (i, j), value in zip(_G2O if words[0] == "EDGE_SE2" else _TORO, values[3:], strict=True):
+        matrix[3 * i + j] = matrix[3 * j + i] = value
+    parts.information.extend(matrix)
 
 
 def _scan(parts: _Parts, words: list[str], n: int) -> None:
     """ROBOTLASER1 type start field_of_view step range_max accuracy remission beams ranges ..."""
+    if len(words) < _SCAN_HEAD:
+        raise parts.refuse(n, "ROBOTLASER1 promises its ranges, but is cut before; is the log cut here?")
     head = _numbers(parts, words[1:_SCAN_HEAD], n, "ROBOTLASER1")
-    if len(head) < _SCAN_HEAD - 1 or head[-1] < 1 or len(words) < _SCAN_HEAD + int(head[-1]):
-        promised = int(head[-1]) if len(head) == _SCAN_HEAD - 1 else "its"
-        raise ValueError(
-            f"{parts.name}, line {n}: ROBOTLASER1 promises {promised} ranges, the line has "
-            f"{max(len(words) - _SCAN_HEAD, 0)}; is the log cut here?"
-        )
-    if len(parts.ranges) + 1 != len(parts.poses):
-        raise ValueError(f"{parts.name}, line {n}: a scan must follow its own vertex")
-    if parts.heads and tuple(head) != parts.heads[0]:
-        raise ValueError(f"{parts.name}, line {n}: the scanner differs from the one of the first scan")
-    parts.heads.append(tuple(head))
-    parts.ranges.append(np.array(_numbers(parts, words[_SCAN_HEAD : _SCAN_HEAD + int(head[-1])], n, "a range")))
+    (beams,) = _whole(parts, words[_SCAN_HEAD - 1 : _SCAN_HEAD], n, "the number of beams")
+    told = words[_SCAN_HEAD : _SCAN_HEAD + beams]
+    if beams < 1 or len(told) < beams:
+        raise parts.refuse(n, f"ROBOTLASER1 promises {beams} ranges, the line has {len(told)}; is the log cut here?")
+    if not (head[3] != 0.0 and head[4] > 0.0):
+        raise parts.refuse(n, f"the step between beams must not be 0 and the largest range positive, got {head[3:5]}")
+    if parts.scans + 1 != len(parts.pose_lines):
+        raise parts.refuse(n, "a scan must follow its own vertex")
+    if parts.head and head != parts.head:
+        raise parts.refuse(n, "the scanner differs from the one of the first scan")
+    ranges = _numbers(parts, told, n, "a range")
+    if min(ranges) < 0.0:
+        raise parts.refuse(n, f"a range is negative: {min(ranges)}")
+    parts.head = head
+    parts.ranges.extend(ranges)
+    parts.scans += 1
 
 
 def _finish(parts: _Parts) -> ScanLog:
     """The log as arrays, once it is known to be whole."""
-    if not parts.poses:
+    count = len(parts.pose_lines)
+    if not count:
         raise ValueError(f"{parts.name}: the log holds no vertex")
-    if parts.ranges and len(parts.ranges) != len(parts.poses):
-        raise ValueError(
-            f"{parts.name}, line {parts.pose_lines[len(parts.ranges)]}: vertex {len(parts.ranges)} has no "
-            "scan; is the log cut here?"
-        )
+    if parts.scans and parts.scans != count:
+        raise parts.refuse(parts.pose_lines[parts.scans], f"vertex {parts.scans} has no scan; is the log cut here?")
     if not parts.edges:
-        raise ValueError(
-            f"{parts.name}, line {parts.pose_lines[-1]}: no edge follows the last vertex; is the log cut here?"
+        raise parts.refuse(parts.pose_lines[-1], "no edge follows the last vertex; is the log cut here?")
+    edges = np.array(parts.edges, dtype=np.int64).reshape(-1, 2)
+    wrong = np.flatnonzero((edges >= count).any(axis=1) | (edges[:, 0] == edges[:, 1]))
+    if len(wrong):
+        first, second = edges[wrong[0]]
+        raise parts.refuse(
+            parts.edge_lines[wrong[0]], f"edge {first} to {second}, but vertices go from 0 to {count - 1}"
         )
-    for first, second, n in parts.edges:
-        if not (0 <= first < len(parts.poses) and 0 <= second < len(parts.poses) and first != second):
-            raise ValueError(
-                f"{parts.name}, line {n}: edge {first} to {second}, but vertices go from 0 to {len(parts.poses) - 1}"
-            )
     angles, ranges, range_max = _scanner(parts)
-    return ScanLog(
-        np.array(parts.poses),
-        np.array([e[:2] for e in parts.edges]),
-        np.array(parts.motions),
-        np.array(parts.information),
-        angles,
-        ranges,
-        range_max,
-    )
+    motions = np.array(parts.motions).reshape(-1, 3)
+    return ScanLog(np.array(parts.poses).reshape(-1, 3), edges, motions, _information(parts), angles, ranges, range_max)
+
+
+def _information(parts: _Parts) -> Array:
+    """The information `(m, 3, 3)`, which is the inverse of a covariance and therefore not negative."""
+    matrices = np.array(parts.information).reshape(-1, 3, 3)
+    scale = np.maximum(np.abs(matrices).max(axis=(1, 2)), np.finfo(float).tiny)
+    wrong = np.flatnonzero(np.linalg.eigvalsh(matrices / scale[:, None, None])[:, 0] < -1e-9)
+    if len(wrong):
+        raise parts.refuse(parts.edge_lines[wrong[0]], "the information of an edge must not be negative")
+    return matrices
 
 
 def _scanner(parts: _Parts) -> tuple[Array, Array, float]:
     """Beam angles [rad], ranges `(n, b)` [m] with nan for no return, and the largest range."""
-    if not parts.ranges:
-        return np.empty(0), np.empty((len(parts.poses), 0)), float("inf")
-    _, start, _, step, range_max, *_ = parts.heads[0]
-    ranges: Array = np.stack(parts.ranges)
-    if (ranges < 0).any():
-        raise ValueError(f"{parts.name}: a range is negative")
+    if not parts.scans:
+        return np.empty(0), np.empty((len(parts.pose_lines), 0)), float("inf")
+    _, start, _, step, range_max, *_ = parts.head
+    ranges: Array = np.array(parts.ranges).reshape(parts.scans, -1)
     angles: Array = start + step * np.arange(ranges.shape[1], dtype=float)
     return angles, np.where(ranges < range_max, ranges, np.nan), range_max

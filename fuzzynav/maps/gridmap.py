@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array, read_only, sealed
-from fuzzynav.maps import files as mapfiles
-from fuzzynav.maps import kernels
+from fuzzynav.maps import files, kernels
+from fuzzynav.maps.drawings import format_ascii, parse_ascii
+from fuzzynav.maps.mapdata import MAX_CELLS, MapData
 
 __all__ = ["CORNER_RULES", "GridMap", "cells_across"]
 
-MAX_CELLS = 25_000_000  # of a map that is read from a file or cut finer
 _FARTHEST = 2.0**62  # [cells] further off no cell is counted
 CORNER_RULES = ("strict", "permissive")
 _NO_SKIP = read_only(np.empty((0, 0)), np.uint8)
@@ -30,7 +30,7 @@ def cells_across(height: float, width: float, resolution: float, limit: int = MA
     """
     if not (np.isfinite(resolution) and resolution > 0):
         raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
-    rows, cols = (max(np.ceil(side / resolution - 1e-9), 1.0) for side in (float(height), float(width)))
+    rows, cols = (max(float(np.ceil(side / float(resolution) - 1e-9)), 1.0) for side in (float(height), float(width)))
     if not rows * cols <= limit:
         raise ValueError(
             f"{rows:.6g} x {cols:.6g} cells of {resolution} m are too many, at most {limit} are made: "
@@ -86,11 +86,11 @@ class GridMap:
     @classmethod
     def load(cls, path: str | Path) -> GridMap:
         """Map from a MovingAI `.map`, a ROS map_server `.yaml` with its image, or an ASCII `.txt` file."""
-        return cls(*mapfiles.load(path))
+        return cls(*files.load(path))
 
     def save(self, path: str | Path) -> None:
         """Write the map as `.map`, `.yaml` with a `.pgm` beside it, or `.txt`; whole or not at all."""
-        mapfiles.save(path, mapfiles.MapData(self.occupied, self.resolution, self.origin, self.unknown))
+        files.save(path, MapData(self.occupied, self.resolution, self.origin, self.unknown))
 
     @classmethod
     def from_ascii(cls, text: str, resolution: float = 1.0, origin: tuple[float, float] = (0.0, 0.0)) -> GridMap:
@@ -101,12 +101,12 @@ class GridMap:
         ... ...''').is_occupied([[2.5, 1.5], [2.5, 0.5]]).tolist()
         [True, False]
         """
-        occupied, _, _, unknown = mapfiles.parse_ascii(text)
+        occupied, _, _, unknown = parse_ascii(text)
         return cls(occupied, resolution, origin, unknown)
 
     def to_ascii(self) -> str:
         """The map as the characters that `from_ascii` reads."""
-        return mapfiles.format_ascii(self.occupied, self.unknown)
+        return format_ascii(self.occupied, self.unknown)
 
     # -- cells and points
 
@@ -219,7 +219,9 @@ class GridMap:
         _check_rule(corners)
         (ax, ay), (bx, by) = self._cells_float(a), self._cells_float(b)
         if not max(abs(bx - ax), abs(by - ay)) <= 1e6:
-            raise ValueError(f"the line from {a!r} to {b!r} is longer than a million cells of {self.resolution} m")
+            raise ValueError(
+                f"the line from {(ax, ay)} to {(bx, by)} in cells is longer than a million cells of {self.resolution} m"
+            )
         cells = kernels.crossed_cells(ax, ay, bx, by, kernels.EDGE if corners == "strict" else -kernels.EDGE)
         return cells[np.argsort(cells @ [bx - ax, by - ay], kind="stable")]
 
@@ -249,7 +251,7 @@ class GridMap:
             raise ValueError(f"pose must be (3,) or (m, 3) and angles (n,), got {poses.shape} and {beams.shape}")
         if not range_max > 0:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
-        rows = np.atleast_2d(poses)
+        rows, beams = (sealed(np.ascontiguousarray(v).view()) for v in (np.atleast_2d(poses), beams))
         worth = border in self._fields or len(rows) * len(beams) > 2000
         ranges = kernels.cast_rays(
             self.occupied,

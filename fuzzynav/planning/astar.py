@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav.maps.files import Scenario, read_scenarios
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.planning import kernels as kernel
+from fuzzynav.maps.movingai import Scenario, read_scenarios
+from fuzzynav.planning import kernels
 
 __all__ = [
     "DIJKSTRA",
@@ -89,11 +89,14 @@ class Options:
         if self.pruned and not (steady and plain and self.neighbours == 8 and self.corners == "strict"):
             raise ValueError("pruned needs a consistent heuristic, accumulated cost, 8 neighbours and strict corners")
 
-    def codes(self, five: bool) -> tuple[int, bool, bool, bool, bool, bool, int, bool, bool]:
+    def choices(self, five: bool, resolution: float) -> kernels.Choices:
         """The choices as the kernel takes them."""
         return (
             _HEURISTICS.index(self.heuristic),
+            float(self.weight),
+            float(self.log_base),
             self.weight_by_distance,
+            resolution,
             self.cost != "accumulated",
             self.neighbours == 4,
             five,
@@ -134,6 +137,11 @@ class SearchResult:
     _order: NDArray[np.int32] = field(repr=False)
     _width: int = field(repr=False)
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only: what a search found does not change."""
+        self.cells.setflags(write=False)
+        self._order.setflags(write=False)
+
     @property
     def searched(self) -> int:
         """Number of cells expanded: taken from the open list, start and goal included."""
@@ -156,7 +164,7 @@ def search(grid: GridMap, start: ArrayLike, goal: ArrayLike, options: Options = 
     4.8284
     """
     began = time.perf_counter()
-    ends = (*_cell(grid, start, "start"), *_cell(grid, goal, "goal"))
+    ends = (*checked_cell(grid, start, "start"), *checked_cell(grid, goal, "goal"))
     free = grid.inflate(options.safety_radius) if options.safety_radius > 0.0 else grid
     for status, x, y in (("start_blocked", *ends[:2]), ("goal_blocked", *ends[2:])):
         if free.occupied[y, x]:
@@ -166,7 +174,7 @@ def search(grid: GridMap, start: ArrayLike, goal: ArrayLike, options: Options = 
     if again:
         state, found, more = _attempt(free, ends, options, False)
         order = np.concatenate([order, more])
-    cells = kernel._trace(state, ends) if found else np.empty((0, 2), dtype=np.int64)
+    cells = kernels.trace(state, ends) if found else np.empty((0, 2), dtype=np.int64)
     return SearchResult(
         status="reached" if found else "no_path",
         cells=cells,
@@ -183,9 +191,7 @@ def _attempt(
 ) -> tuple[NDArray[np.uint8], bool, NDArray[np.int32]]:
     state = np.full((free.shape[0] + 2, free.shape[1] + 2), 128, dtype=np.uint8)
     np.left_shift(free.occupied.view(np.uint8), 7, out=state[1:-1, 1:-1])
-    found, order = kernel._search(
-        state, ends, options.codes(five), float(options.weight), float(options.log_base), free.resolution
-    )
+    found, order = kernels.search(state, ends, options.choices(five, free.resolution))
     return state, found, order
 
 
@@ -201,7 +207,7 @@ def _nothing(status: str, began: float, grid: GridMap) -> SearchResult:
     )
 
 
-def _cell(grid: GridMap, value: ArrayLike, name: str) -> tuple[int, int]:
+def checked_cell(grid: GridMap, value: ArrayLike, name: str) -> tuple[int, int]:
     """A cell of the map as two ints, or a ValueError that names what is wrong."""
     cell = np.asarray(value)
     if cell.shape != (2,) or cell.dtype.kind not in "iuf" or not np.all(np.isfinite(cell)) or (cell % 1 != 0).any():
@@ -281,7 +287,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         grid, problems = GridMap.load(given.map), read_scenarios(given.scen)
         if problems and Path(problems[0].map_name).name != given.map.name:
             raise ValueError(f"{given.scen} is for the map {problems[0].map_name}, not for {given.map.name}")
-        kernel._warm()
+        kernels._warm()
         answers = solve(grid, problems, globals()[given.preset])
     except (ValueError, OSError) as error:
         print(error, file=sys.stderr)

@@ -1,4 +1,4 @@
-"""The eight steps on a grid and the distances that guide a search; the search itself is in `searchkernels`."""
+"""The eight steps on a grid and the distances that guide a search; the search itself is in `kernels`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array
-from fuzzynav.planning.kernels import _kept
+from fuzzynav.planning.kernels import kept
 
 __all__ = ["STEPS", "bearing", "distance_scale", "enhanced", "euclidean", "kept_directions", "manhattan", "octile"]
 
@@ -23,7 +23,8 @@ def euclidean(offset: ArrayLike) -> Array:
     5.0
     """
     d = np.asarray(offset, dtype=float)
-    return np.hypot(d[..., 0], d[..., 1])
+    length: Array = np.hypot(d[..., 0], d[..., 1])
+    return length
 
 
 def manhattan(offset: ArrayLike) -> Array:
@@ -34,7 +35,8 @@ def manhattan(offset: ArrayLike) -> Array:
     >>> float(manhattan([3, -4]))
     7.0
     """
-    return np.abs(np.asarray(offset, dtype=float)).sum(axis=-1)
+    total: Array = np.abs(np.asarray(offset, dtype=float)).sum(axis=-1)
+    return total
 
 
 def octile(offset: ArrayLike) -> Array:
@@ -44,7 +46,8 @@ def octile(offset: ArrayLike) -> Array:
     5.2426
     """
     d = np.abs(np.asarray(offset, dtype=float))
-    return d.max(axis=-1) + (np.sqrt(2.0) - 1.0) * d.min(axis=-1)
+    length: Array = d.max(axis=-1) + (np.sqrt(2.0) - 1.0) * d.min(axis=-1)
+    return length
 
 
 def distance_scale(offset: ArrayLike, total: ArrayLike) -> Array:
@@ -70,7 +73,8 @@ def enhanced(offset: ArrayLike, total: ArrayLike, base: float = 10.0) -> Array:
     """
     h, whole = euclidean(offset), euclidean(total)
     ratio = np.divide(h, whole, out=np.zeros(np.shape(h)), where=whole > 0)
-    return (1.0 + ratio) * np.log1p(h) / np.log(base) * h
+    value: Array = (1.0 + ratio) * np.log1p(h) / np.log(base) * h
+    return value
 
 
 def bearing(offset: ArrayLike) -> Array:
@@ -82,7 +86,8 @@ def bearing(offset: ArrayLike) -> Array:
     90.0
     """
     d = np.asarray(offset, dtype=float)
-    return np.arctan2(d[..., 0], d[..., 1]) % (2.0 * np.pi)
+    angle: Array = np.arctan2(d[..., 0], d[..., 1]) % (2.0 * np.pi)
+    return angle
 
 
 def kept_directions(offset: ArrayLike) -> NDArray[np.int64]:
@@ -92,4 +97,4 @@ def kept_directions(offset: ArrayLike) -> NDArray[np.int64]:
     [0, 1, 2, 6, 7]
     """
     x, y = np.asarray(offset, dtype=float)
-    return np.array([d for d in range(8) if _kept(x, y, d)])
+    return np.array([d for d in range(8) if kept(x, y, d)])

@@ -35,6 +35,11 @@ class Sampled:
     evidence: tuple[Array, ...] | Array
     checks: int
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only."""
+        for array in (self.points, *(self.evidence if isinstance(self.evidence, tuple) else (self.evidence,))):
+            array.setflags(write=False)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RRT:
@@ -250,4 +255,5 @@ def _costs(grid: GridMap, a: Array, b: Array, place: Array, options: Swarm) -> A
     u = (np.arange(20) + 0.5) / 20
     samples = whole[:, :-1, None] + u[:, None] * np.diff(whole, axis=1)[:, :, None]
     inside = grid.distance(samples) < options.radius + 0.05 * grid.resolution
-    return legs.sum(axis=1) + options.penalty * (inside.mean(axis=-1) * legs).sum(axis=1)
+    costs: Array = legs.sum(axis=1) + options.penalty * (inside.mean(axis=-1) * legs).sum(axis=1)
+    return costs

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.maps.kernels import disc_passes
+from fuzzynav.robot.kernels import wrap
 
 __all__ = ["AnyAngle", "shortest"]
 
@@ -39,6 +40,10 @@ class AnyAngle:
     status: str
     points: Array
     length: float
+
+    def __post_init__(self) -> None:
+        """Make the points read-only."""
+        self.points.setflags(write=False)
 
 
 def shortest(
@@ -101,7 +106,7 @@ def _corners(occupied: NDArray[np.bool_], slip: bool) -> tuple[Array, Array]:
 def _taut(cone: Array, side: float, heading: float) -> bool:
     """Whether a tangent touches the outer quarter of a corner's circle; side 1 has the circle on the left."""
     ux, uy = side * np.sin(heading), -side * np.cos(heading)
-    return ux * cone[0] >= -_SLACK and uy * cone[1] >= -_SLACK
+    return bool(ux * cone[0] >= -_SLACK and uy * cone[1] >= -_SLACK)
 
 
 @njit(cache=True)
@@ -185,8 +190,7 @@ def _walk(
         for f in range(first[state], first[state + 1]):
             if done[f]:
                 continue
-            turn = side * (tangents[f, 0] - tangents[e, 0])
-            turn = (turn + np.pi) % (2.0 * np.pi) - np.pi
+            turn = wrap(side * (tangents[f, 0] - tangents[e, 0]))
             if turn < -_SLACK and (cones[node, 0] != 0.0 or r > 0.0):
                 continue
             via = length + r * max(turn, 0.0) + tangents[f, 1]
@@ -202,7 +206,7 @@ def _draw(nodes: Array, tangents: Array, numbers: Long, path: list[int], r: floa
     for e, f in pairwise(path):
         state = numbers[e, 1]
         node, side = nodes[state // 2], 1.0 - 2.0 * (state % 2)
-        turn = (side * (tangents[f, 0] - tangents[e, 0]) + np.pi) % (2.0 * np.pi) - np.pi
+        turn = wrap(side * (tangents[f, 0] - tangents[e, 0]))
         count = int(np.ceil(max(turn, 0.0) / _ARC)) + 1 if r > 10.0 * _THIN else 1
         at = tangents[e, 0] + side * np.linspace(0.0, max(turn, 0.0), count)
         points.extend(node + side * r * np.stack([np.sin(at), -np.cos(at)], axis=-1))

@@ -10,11 +10,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
 from numpy.typing import ArrayLike
 
-from fuzzynav.blend.controllers import FuzzyRun
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array, to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram, draw_path, metric_axes
 from fuzzynav.robot import TURTLEBOT2
+from fuzzynav.simulate.record import Run
 
 __all__ = [
     "block_corners",
@@ -50,12 +50,12 @@ def draw_block(ax: Axes, shape: ArrayLike, *, label: str = "") -> Polygon:
     return patch
 
 
-def draw_blend_path(ax: Axes, run: FuzzyRun, shape: ArrayLike, *, label: str = "driven") -> tuple[Line2D, Line2D]:
+def draw_blend_path(ax: Axes, run: Run, shape: ArrayLike, *, label: str = "driven") -> tuple[Line2D, Line2D]:
     """Reference (dashed), driven path, the stretch with avoidance thick, the block, and a cross at a contact."""
     metric_axes(ax)
     draw_path(ax, run.wanted, role="reference", linestyle="--", label="reference")
     driven = draw_path(ax, run.poses, role="path", label=label)
-    points = np.where(run.weight[:, None] > 0.0, run.poses[:-1, :2], np.nan)
+    points = np.where(run.log["weight"][:, None] > 0.0, run.poses[:-1, :2], np.nan)
     part = draw_path(ax, points, role="robot", label="avoidance takes part")
     part.set(linewidth=3.0, alpha=0.7)
     draw_block(ax, shape, label="block")
@@ -66,9 +66,9 @@ def draw_blend_path(ax: Axes, run: FuzzyRun, shape: ArrayLike, *, label: str = "
     return driven, part
 
 
-def shade_avoidance(ax: Axes, run: FuzzyRun, *, label: str = "avoidance takes part") -> None:
+def shade_avoidance(ax: Axes, run: Run, *, label: str = "avoidance takes part") -> None:
     """A grey band over the times at which avoidance has a part in the command."""
-    active = np.flatnonzero(np.diff(np.concatenate([[0], (run.weight > 0.0).astype(int), [0]])))
+    active = np.flatnonzero(np.diff(np.concatenate([[0], (run.log["weight"] > 0.0).astype(int), [0]])))
     for k, (a, b) in enumerate(zip(active[::2], active[1::2], strict=True)):
         ax.axvspan(run.t[a], run.t[b], color=COLORS["unknown"], alpha=0.5, linewidth=0, label=label if k == 0 else "")
 
@@ -80,17 +80,17 @@ def _legend_above(ax: Axes) -> None:
     ax.legend(loc="upper center", ncols=2, fontsize=7.5, columnspacing=1.0)
 
 
-def draw_blend_errors(ax: Axes, run: FuzzyRun) -> list[Line2D]:
+def draw_blend_errors(ax: Axes, run: Run) -> list[Line2D]:
     """Errors of x, y [m] and theta [rad] over time, the time of avoidance shaded."""
     shade_avoidance(ax, run)
     names = ("$x_d - x$ [m]", "$y_d - y$ [m]", r"$\theta_d - \theta$ [rad]")
-    lines = [ax.plot(run.t[:-1], e, label=name)[0] for e, name in zip(run.errors.T, names, strict=True)]
+    lines = [ax.plot(run.t, e, label=name)[0] for e, name in zip(run.errors.T, names, strict=True)]
     ax.set(xlabel="t [s]", ylabel="error [m, rad]")
     _legend_above(ax)
     return lines
 
 
-def draw_blend_speeds(ax: Axes, run: FuzzyRun) -> list[Line2D]:
+def draw_blend_speeds(ax: Axes, run: Run) -> list[Line2D]:
     """Commands v and omega over time, the time of avoidance shaded."""
     shade_avoidance(ax, run)
     lines = [
@@ -102,9 +102,9 @@ def draw_blend_speeds(ax: Axes, run: FuzzyRun) -> list[Line2D]:
     return lines
 
 
-def draw_weight(ax: Axes, run: FuzzyRun) -> list[Line2D]:
+def draw_weight(ax: Axes, run: Run) -> list[Line2D]:
     """F and the share of avoidance in the command over time."""
-    lines = [ax.plot(run.t[:-1], run.fuzzy, label="F")[0], ax.plot(run.t[:-1], run.weight, label="share")[0]]
+    lines = [ax.plot(run.t[:-1], run.log["F"], label="F")[0], ax.plot(run.t[:-1], run.log["weight"], label="share")[0]]
     ax.set(xlabel="t [s]", ylabel="F, share", ylim=(-0.03, 1.05))
     ax.legend(loc="upper right", fontsize=8)
     return lines

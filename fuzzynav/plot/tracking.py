@@ -17,7 +17,8 @@ from numpy.typing import ArrayLike
 from fuzzynav.geometry import to_world
 from fuzzynav.plot.base import COLORS, arrow, block, diagram, draw_path, draw_robot, metric_axes
 from fuzzynav.robot import TURTLEBOT2, Robot
-from fuzzynav.tracking import Trace, yaw_rate_unguarded
+from fuzzynav.simulate.record import Run
+from fuzzynav.tracking import yaw_rate_unguarded
 from fuzzynav.tracking.reference import Reference
 
 __all__ = [
@@ -109,36 +110,36 @@ def draw_reference(ax: Axes, reference: Reference, *, n: int = 801, label: str =
     return draw_path(ax, points, role="reference", linestyle="--", label=label)
 
 
-def draw_tracking_path(ax: Axes, trace: Trace, *, label: str = "driven") -> tuple[Line2D, Line2D]:
+def draw_tracking_path(ax: Axes, run: Run, *, label: str = "driven") -> tuple[Line2D, Line2D]:
     """Reference (broad) and driven path (thin) of a run, its start marked with a disc, the legend beside."""
     metric_axes(ax)
-    wanted = draw_path(ax, trace.wanted, role="reference", label="reference")
+    wanted = draw_path(ax, run.wanted, role="reference", label="reference")
     wanted.set(linewidth=4.0, alpha=0.5)
-    driven = draw_path(ax, trace.poses, role="path", label=label)
-    ax.plot(*trace.poses[0, :2], marker="o", color=COLORS["robot"], linestyle="", label="start")
+    driven = draw_path(ax, run.poses, role="path", label=label)
+    ax.plot(*run.poses[0, :2], marker="o", color=COLORS["robot"], linestyle="", label="start")
     ax.legend(**BESIDE)
     return wanted, driven
 
 
-def draw_tracking_errors(ax: Axes, trace: Trace, *, scale: float = 1e3) -> list[Line2D]:
+def draw_tracking_errors(ax: Axes, run: Run, *, scale: float = 1e3) -> list[Line2D]:
     """Errors of x, y and theta over time in mm and mrad (scale 1 gives m and rad)."""
     units = ("mm", "mm", "mrad") if scale == 1e3 else ("m", "m", "rad")
     names = ("$x_d - x$", "$y_d - y$", r"$\theta_d - \theta$")
     lines = [
-        ax.plot(trace.t, scale * e, label=f"{name} [{unit}]")[0]
-        for e, name, unit in zip(trace.errors.T, names, units, strict=True)
+        ax.plot(run.t, scale * e, label=f"{name} [{unit}]")[0]
+        for e, name, unit in zip(run.errors.T, names, units, strict=True)
     ]
     ax.set(xlabel="t [s]", ylabel=f"error [{units[0]}, {units[2]}]")
     ax.legend(**BESIDE)
     return lines
 
 
-def draw_tracking_speeds(ax: Axes, trace: Trace) -> list[Line2D]:
+def draw_tracking_speeds(ax: Axes, run: Run) -> list[Line2D]:
     """Commands v and omega over time."""
-    t = trace.t[:-1]
+    t = run.t[:-1]
     lines = [
-        ax.plot(t, trace.commands[:, 0], label="v [m/s]")[0],
-        ax.plot(t, trace.commands[:, 1], label=r"$\omega$ [rad/s]")[0],
+        ax.plot(t, run.commands[:, 0], label="v [m/s]")[0],
+        ax.plot(t, run.commands[:, 1], label=r"$\omega$ [rad/s]")[0],
     ]
     ax.set(xlabel="t [s]", ylabel="v [m/s], $\\omega$ [rad/s]")
     ax.legend(**BESIDE)

@@ -10,6 +10,7 @@ from fuzzynav.smoothing.eta import (
     curvature_rate,
     eta3,
 )
+from fuzzynav.smoothing.measures import arc_length, is_free, least_clearance, measure, total_turning
 from fuzzynav.smoothing.simplify import (
     best_shortcut,
     key_nodes,
@@ -25,12 +26,8 @@ from fuzzynav.smoothing.splines import (
     cox_de_boor,
     cubic_basis,
     free_bspline,
-    is_free,
-    least_clearance,
-    measure,
     segment,
     segment_as_printed,
-    total_turning,
     uniform_basis,
     uniform_basis_as_printed,
 )
@@ -40,6 +37,7 @@ __all__ = [
     "Eta3",
     "Smooth",
     "Spline",
+    "arc_length",
     "best_shortcut",
     "bspline",
     "chain",

@@ -10,12 +10,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzynav.geometry import Array, cumulative_length, curvature, wrap
+from fuzzynav.smoothing.measures import arc_length
 
 __all__ = ["Chain", "Eta3", "chain", "coefficients", "coefficients_as_printed", "curvature_rate", "eta3"]
+
+_LEAST, _MOST = 1e-9, 1e9  # lengths [m] and speeds that keep every power of them finite
 
 
 def curvature_rate(first: ArrayLike, second: ArrayLike, third: ArrayLike) -> Array:
     """Change of curvature along the arc [1/m^2] from the first three derivatives `(..., 2)` of a curve.
+
+    nan where the first derivative vanishes.
 
     >>> float(curvature_rate([1.0, 0.0], [0.0, 0.0], [0.0, 2.0]))      # y = x^3 / 3 at its inflection
     2.0
@@ -24,7 +29,9 @@ def curvature_rate(first: ArrayLike, second: ArrayLike, third: ArrayLike) -> Arr
     squared = (a**2).sum(axis=-1)
     turn = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     twist = a[..., 0] * c[..., 1] - a[..., 1] * c[..., 0]
-    return (twist * squared - 3.0 * turn * (a * b).sum(axis=-1)) / squared**3
+    cubed = squared**3
+    rate: Array = (twist * squared - 3.0 * turn * (a * b).sum(axis=-1)) / np.where(cubed > 0.0, cubed, np.nan)
+    return rate
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +42,12 @@ class Eta3:
     """
 
     coefficients: Array
+
+    def __post_init__(self) -> None:
+        """Take a copy that cannot be written to."""
+        copy = np.array(self.coefficients, dtype=float)
+        copy.setflags(write=False)
+        object.__setattr__(self, "coefficients", copy)
 
     def derivative(self, u: ArrayLike, order: int = 0) -> Array:
         """The curve [m] for order 0, or its derivative by u, at u of any shape; `(..., 2)`."""
@@ -61,10 +74,8 @@ class Eta3:
 
     @cached_property
     def length(self) -> float:
-        """Arc length [m], by Gauss-Legendre quadrature with 40 nodes."""
-        nodes, weights = np.polynomial.legendre.leggauss(40)
-        d = self.derivative((nodes + 1.0) / 2.0, 1)
-        return float((weights * np.hypot(d[:, 0], d[:, 1])).sum() / 2.0)
+        """Arc length [m], to 1e-10 of it."""
+        return arc_length(lambda u: self.derivative(u, 1), [0.0, 1.0])
 
 
 def eta3(start: ArrayLike, end: ArrayLike, eta: ArrayLike | None = None) -> Eta3:
@@ -72,7 +83,8 @@ def eta3(start: ArrayLike, end: ArrayLike, eta: ArrayLike | None = None) -> Eta3
 
     eta holds six numbers: speeds by u at start and end (eta_1, eta_2 > 0), tangential accelerations (eta_3, eta_4)
     and jerks (eta_5, eta_6); fewer are filled with 0, None takes the distance of the ends for both speeds.
-    Raises ValueError for ends that coincide, values that are not finite, or a speed that is not positive.
+    Raises ValueError for ends that coincide, values that are not finite, a speed that is not positive, or numbers
+    outside 1e-9 to 1e9, whose powers no curve can hold.
 
     >>> eta3([0, 0, 0], [2, 0, 0]).derivative(0.5).round(3).tolist()
     [1.0, 0.0]
@@ -81,6 +93,8 @@ def eta3(start: ArrayLike, end: ArrayLike, eta: ArrayLike | None = None) -> Eta3
     gap = float(np.hypot(b[0] - a[0], b[1] - a[1]))
     if gap == 0.0:
         raise ValueError(f"start and end coincide at {a[:2].tolist()}: a curve between them has no direction")
+    if not gap >= _LEAST:
+        raise ValueError(f"start and end lie {gap:.3g} m apart, a curve needs {_LEAST:g} m or more")
     shape = np.zeros(6)
     given = np.array([gap, gap]) if eta is None else np.asarray(eta, dtype=float).ravel()
     if not 2 <= len(given) <= 6 or not np.isfinite(given).all():
@@ -88,6 +102,10 @@ def eta3(start: ArrayLike, end: ArrayLike, eta: ArrayLike | None = None) -> Eta3
     shape[: len(given)] = given
     if (shape[:2] <= 0.0).any():
         raise ValueError(f"eta_1 and eta_2 are speeds and must be positive, got {shape[0]} and {shape[1]}")
+    if (shape[:2] < _LEAST).any() or (np.abs(shape) > _MOST).any():
+        raise ValueError(
+            f"eta_1 and eta_2 must lie in {_LEAST:g} to {_MOST:g}, the others within {_MOST:g}, got {eta!r}"
+        )
     return Eta3(coefficients(a, b, shape))
 
 
@@ -95,6 +113,8 @@ def _end(values: ArrayLike, name: str) -> Array:
     end = np.asarray(values, dtype=float).ravel()
     if not 3 <= len(end) <= 5 or not np.isfinite(end).all():
         raise ValueError(f"{name} must be x, y, theta and perhaps curvature and its rate, finite; got {values!r}")
+    if (np.abs(end) > _MOST).any():
+        raise ValueError(f"{name} must be metres and radians of at most {_MOST:g}, got {values!r}")
     return np.concatenate([end, np.zeros(5 - len(end))])
 
 
@@ -149,21 +169,76 @@ def _row(a: Array, b: Array, gap: float, eta: Array, turn: float) -> Array:
 
 
 def coefficients_as_printed(start: ArrayLike, end: ArrayLike, eta: ArrayLike) -> Array:
-    """The coefficients `(2, 8)` of eq 3.9 and appendix C with their misprints (errata T5 to T8)."""
+    """The coefficients `(2, 8)` as eq 3.9 and appendix C print them, letter by letter (errata T5 to T8).
+
+    Only the bracket that alpha_7 lacks is put where it must be (errata T9).
+    """
     a, b, e = (np.asarray(v, dtype=float) for v in (start, end, eta))
-    e1, e2, e3, e4 = e[:4]
-    kb, rb, gap = b[3], b[4], b[0] - a[0]
-    right = coefficients(a, b, e)
-    wrong = right.copy()
-    wrong[:, 2] += (e2 - e3) / 2 * np.array([np.cos(a[2]), np.sin(a[2])])
-    wrong[1, 4:] += np.array([35, -84, 70, -20]) * (gap - (b[1] - a[1]))
-    ca, cb, sb = np.cos(a[2]), np.cos(b[2]), np.sin(b[2])
-    wrong[1, 5] += 2 * (7 * e2**2 * kb - e2**3 * rb / 2 - 3 * e2 * e4 * kb / 2) * cb
-    start_side = 15 * e1**2 * a[3] / 2 + 2 * e1**3 * a[4] / 3 + 2 * e1 * e3 * a[3]
-    wrong[1, 6] += 2 * start_side * ca + 2 * (34 * e2 - 13 * e4 / 2 + e[5] / 2) * sb
-    wrong[1, 6] += 2 * (36 * e1 + 15 * e3 / 2 + 2 * e[4] / 3) * np.sin(a[2])
-    wrong[1, 6] -= 2 * (13 * e2**2 * kb / 2 - e2**3 * rb / 2 - 3 * e2 * e4 * kb / 2) * cb
-    return wrong
+    return np.array([_alpha_as_printed(a, b, e), _beta_as_printed(a, b, e)])
+
+
+def _alpha_as_printed(a: Array, b: Array, e: Array) -> list[float]:
+    (xa, _, ta, ka, ra), (xb, _, tb, kb, rb) = a, b
+    e1, e2, e3, e4, e5, e6 = e
+    ca, sa, cb, sb = np.cos(ta), np.sin(ta), np.cos(tb), np.sin(tb)
+    return [
+        xa,
+        e1 * ca,
+        e2 * ca / 2 - e1**2 * ka * sa / 2,
+        e5 * ca / 6 - (e1**3 * ra + 3 * e1 * e3 * ka) * sa / 6,
+        35 * (xb - xa)
+        - (20 * e1 + 5 * e3 + 2 / 3 * e5) * ca
+        + (5 * e1**2 * ka + 2 / 3 * e1**3 * ra + 2 * e1 * e3 * ka) * sa
+        - (15 * e2 - 5 / 2 * e4 + 1 / 6 * e6) * cb
+        - (5 / 2 * e2**2 * kb - 1 / 6 * e2**3 * rb - 1 / 2 * e2 * e4 * kb) * sb,
+        -84 * (xb - xa)
+        + (45 * e1 + 10 * e3 + e5) * ca
+        - (10 * e1**2 * ka + e1**3 * ra + 3 * e1 * e3 * ka) * sa
+        + (39 * e2 - 7 * e4 + 1 / 2 * e6) * cb
+        + (7 * e2**2 * kb - 1 / 2 * e2**3 * rb - 3 / 2 * e2 * e4 * kb) * sb,
+        70 * (xb - xa)
+        - (36 * e1 + 15 / 2 * e3 + 2 / 3 * e5) * ca
+        + (15 / 2 * e1**2 * ka + 2 / 3 * e1**3 * ra + 2 * e1 * e3 * ka) * sa
+        - (34 * e2 - 13 / 2 * e4 + 1 / 2 * e6) * cb
+        - (13 / 2 * e2**2 * kb - 1 / 2 * e2**3 * rb - 3 / 2 * e2 * e4 * kb) * sb,
+        -20 * (xb - xa)
+        + (10 * e1 + 2 * e3 + 1 / 6 * e5) * ca
+        - (2 * e1**2 * ka + 1 / 6 * e1**3 * ra + 1 / 2 * e1 * e3 * ka) * sa
+        + (10 * e2 - 2 * e4 + 1 / 6 * e6) * cb
+        + (2 * e2**2 * kb - 1 / 6 * e2**3 * rb - 1 / 2 * e2 * e4 * kb) * sb,
+    ]
+
+
+def _beta_as_printed(a: Array, b: Array, e: Array) -> list[float]:
+    (xa, ya, ta, ka, ra), (xb, _, tb, kb, rb) = a, b
+    e1, e2, e3, e4, e5, e6 = e
+    ca, sa, cb, sb = np.cos(ta), np.sin(ta), np.cos(tb), np.sin(tb)
+    return [
+        ya,
+        e1 * sa,
+        e2 * sa / 2 + e1**2 * ka * ca / 2,
+        e5 * sa / 6 + (e1**3 * ra + 3 * e1 * e3 * ka) * ca / 6,
+        35 * (xb - xa)
+        - (20 * e1 + 5 * e3 + 2 / 3 * e5) * sa
+        - (5 * e1**2 * ka + 2 / 3 * e1**3 * ra + 2 * e1 * e3 * ka) * ca
+        - (15 * e2 - 5 / 2 * e4 + 1 / 6 * e6) * sb
+        + (5 / 2 * e2**2 * kb - 1 / 6 * e2**3 * rb - 1 / 2 * e2 * e4 * kb) * cb,
+        -84 * (xb - xa)
+        + (45 * e1 + 10 * e3 + e5) * sa
+        + (10 * e1**2 * ka + e1**3 * ra + 3 * e1 * e3 * ka) * ca
+        + (39 * e2 - 7 * e4 + 1 / 2 * e6) * sb
+        + (7 * e2**2 * kb - 1 / 2 * e2**3 * rb - 3 / 2 * e2 * e4 * kb) * cb,
+        70 * (xb - xa)
+        + (36 * e1 + 15 / 2 * e3 + 2 / 3 * e5) * sa
+        + (15 / 2 * e1**2 * ka + 2 / 3 * e1**3 * ra + 2 * e1 * e3 * ka) * ca
+        + (34 * e2 - 13 / 2 * e4 + 1 / 2 * e6) * sb
+        - (13 / 2 * e2**2 * kb - 1 / 2 * e2**3 * rb - 3 / 2 * e2 * e4 * kb) * cb,
+        -20 * (xb - xa)
+        + (10 * e1 + 2 * e3 + 1 / 6 * e5) * sa
+        + (2 * e1**2 * ka + 1 / 6 * e1**3 * ra + 0.5 * e1 * e3 * ka) * ca
+        + (10 * e2 - 2 * e4 + 1 / 6 * e6) * sb
+        - (2 * e2**2 * kb - 1 / 6 * e2**3 * rb - 1 / 2 * e2 * e4 * kb) * cb,
+    ]
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,7 +308,7 @@ def _ends(
     ends[-1, 2] = angles[-1] if end_heading is None else end_heading
     span = p[2:] - p[:-2]
     turn, across = wrap(np.diff(angles)), np.hypot(span[:, 0], span[:, 1])
-    first = wrap(angles[1:] - np.arctan2(span[:, 1], span[:, 0]))  # between the first chord and the circle's tangent
+    first = angles[1:] - np.arctan2(span[:, 1], span[:, 0])  # between the first chord and the circle's tangent
     ends[1:-1, 2] = angles[:-1] + np.where(across > 0.0, first, turn / 2.0)
     ends[1:-1, 3] = np.divide(2.0 * np.sin(turn), across, out=np.zeros(len(across)), where=across > 0.0)
     return list(ends)

@@ -34,7 +34,8 @@ def remove_collinear(cells: ArrayLike) -> Cells:
     before, after = path[1:-1] - path[:-2], path[2:] - path[1:-1]
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     turns = (cross != 0) | ((before * after).sum(axis=1) <= 0)
-    return path[np.concatenate([[True], turns, [True]])]
+    kept: Cells = path[np.concatenate([[True], turns, [True]])]
+    return kept
 
 
 def key_nodes(cells: ArrayLike, grid: GridMap, radius: float = 0.0, corners: str = "permissive") -> Cells:

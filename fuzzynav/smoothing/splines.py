@@ -1,17 +1,17 @@
-"""From a path of nodes to a curve that a robot can follow: cubic B-splines, what they cost, whether they are free."""
+"""From a path of nodes to a curve that a robot can follow: cubic B-splines, and one that keeps clear of obstacles."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import comb, factorial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.geometry import Array, cumulative_length, curvature, resample
+from fuzzynav.geometry import Array, curvature
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.smoothing.eta import curvature_rate
+from fuzzynav.smoothing.measures import SPACING, arc_length, is_free
 
 __all__ = [
     "Smooth",
@@ -20,18 +20,13 @@ __all__ = [
     "cox_de_boor",
     "cubic_basis",
     "free_bspline",
-    "is_free",
-    "least_clearance",
-    "measure",
     "segment",
     "segment_as_printed",
-    "total_turning",
     "uniform_basis",
     "uniform_basis_as_printed",
 ]
 
 _MATRIX = np.array([[1.0, 4.0, 1.0, 0.0], [-3.0, 0.0, 3.0, 0.0], [3.0, -6.0, 3.0, 0.0], [-1.0, 3.0, -3.0, 1.0]]) / 6.0
-_SPACING = 0.02  # [m] between the samples at which a curve is checked against a map
 
 
 def cubic_basis(t: ArrayLike) -> Array:
@@ -76,7 +71,8 @@ def uniform_basis_as_printed(i: int, degree: int, t: ArrayLike) -> Array:
 def _power_sum(i: int, degree: int, t: ArrayLike, last: int) -> Array:
     t = np.asarray(t, dtype=float)
     terms = [(-1) ** j * comb(degree + 1, j) * (t + degree - i - j) ** degree for j in range(last + 1)]
-    return np.sum(terms, axis=0) / factorial(degree)
+    total: Array = np.sum(terms, axis=0) / factorial(degree)
+    return total
 
 
 def segment(controls: ArrayLike, t: ArrayLike) -> Array:
@@ -87,14 +83,16 @@ def segment(controls: ArrayLike, t: ArrayLike) -> Array:
     >>> segment([[0], [1], [2], [3]], 0.25).tolist()
     [1.25]
     """
-    return _powers(t) @ _MATRIX @ np.asarray(controls, dtype=float)
+    points: Array = _powers(t) @ _MATRIX @ np.asarray(controls, dtype=float)
+    return points
 
 
 def segment_as_printed(controls: ArrayLike, t: ArrayLike) -> Array:
     """Eq 3.12 with its printed last row -1 3 3 1 (errata T1): spans do not join, the curve depends on the origin."""
     wrong = _MATRIX.copy()
     wrong[3] = np.array([-1.0, 3.0, 3.0, 1.0]) / 6.0
-    return _powers(t) @ wrong @ np.asarray(controls, dtype=float)
+    points: Array = _powers(t) @ wrong @ np.asarray(controls, dtype=float)
+    return points
 
 
 def _powers(t: ArrayLike) -> Array:
@@ -129,6 +127,13 @@ class Spline:
     controls: Array
     knots: Array
 
+    def __post_init__(self) -> None:
+        """Take copies that cannot be written to."""
+        for name in ("controls", "knots"):
+            copy = np.array(getattr(self, name), dtype=float)
+            copy.setflags(write=False)
+            object.__setattr__(self, name, copy)
+
     @property
     def span(self) -> tuple[float, float]:
         """First and last value of the parameter."""
@@ -161,12 +166,8 @@ class Spline:
 
     @property
     def length(self) -> float:
-        """Arc length [m] by Gauss-Legendre quadrature between the knots."""
-        nodes, weights = np.polynomial.legendre.leggauss(12)
-        breaks = np.unique(self.knots[3:-3])
-        half = np.diff(breaks) / 2.0
-        d = self.derivative((breaks[:-1] + half)[:, None] + half[:, None] * nodes, 1)
-        return float((np.hypot(d[..., 0], d[..., 1]) * weights * half[:, None]).sum())
+        """Arc length [m], to 1e-10 of it."""
+        return arc_length(lambda t: self.derivative(t, 1), np.unique(self.knots[3:-3]))
 
 
 def _de_boor(controls: Array, knots: Array, degree: int, t: Array) -> Array:
@@ -221,9 +222,11 @@ def free_bspline(points: ArrayLike, grid: GridMap, radius: float = 0.0, rounds: 
     """Clamped B-spline along a free polyline `(n, 2)` [m] that is free itself.
 
     Where the curve overlaps an obstacle, the legs nearby get control points in their middle, which draws it to the
-    polyline; a path of two or three nodes gets them at once. Raises ValueError for fewer than two points, or for a
-    polyline that is not free: no curve can be promised then.
+    polyline; a path of two or three nodes gets them at once. Raises ValueError for fewer than two points, rounds below
+    0, or a polyline that is not free: no curve can be promised then.
     """
+    if rounds != int(rounds) or rounds < 0:
+        raise ValueError(f"rounds must be a whole number, 0 or more, got {rounds}")
     p = np.asarray(points, dtype=float)
     if p.ndim != 2 or p.shape[1] != 2 or len(p) < 2 or not np.isfinite(p).all():
         raise ValueError(f"a path needs two or more finite points (n, 2), got shape {p.shape}")
@@ -248,8 +251,8 @@ def _halve(p: Array, chosen: Array) -> Array:
 
 
 def _dense(spline: Spline) -> Array:
-    """Parameters `(m,)` at which neighbouring points of the curve are at most about _SPACING apart."""
-    return spline.parameters(max(int(np.ceil(1.5 * spline.length / _SPACING)), 8 * len(spline.controls)))
+    """Parameters `(m,)` at which neighbouring points of the curve are at most about SPACING apart."""
+    return spline.parameters(max(int(np.ceil(1.5 * spline.length / SPACING)), 8 * len(spline.controls)))
 
 
 def _blocked_spans(spline: Spline, t: Array, grid: GridMap, radius: float) -> Array:
@@ -263,45 +266,3 @@ def _blocked_spans(spline: Spline, t: Array, grid: GridMap, radius: float) -> Ar
     for k in range(3):  # span s of the curve has the control points s .. s + 3
         legs[spans + k] = True
     return legs
-
-
-def is_free(points: ArrayLike, grid: GridMap, radius: float = 0.0) -> bool:
-    """Whether a disc of radius [m] moves along the polyline `(n, 2)` [m] without overlapping an occupied square."""
-    p = np.asarray(points, dtype=float)
-    return all(grid.clear_line(a, b, radius, "permissive") for a, b in pairwise(p))
-
-
-def least_clearance(points: ArrayLike, grid: GridMap, spacing: float = _SPACING) -> float:
-    """Smallest distance [m] from the polyline `(n, 2)` [m] to an occupied square, sampled every `spacing` [m].
-
-    The true value is at most half a spacing smaller; the map's edge counts as occupied.
-    """
-    return float(grid.distance(resample(points, spacing)).min())
-
-
-def total_turning(points: ArrayLike) -> float:
-    """Sum of the absolute turns [rad] of a polyline `(n, 2)`: 0 for a straight one, 2 pi once round a circle."""
-    d = np.diff(np.asarray(points, dtype=float)[:, :2], axis=0)
-    d = d[np.hypot(d[:, 0], d[:, 1]) > 0.0]
-    cross = d[:-1, 0] * d[1:, 1] - d[:-1, 1] * d[1:, 0]
-    return float(np.abs(np.arctan2(cross, (d[:-1] * d[1:]).sum(axis=1))).sum())
-
-
-def measure(points: ArrayLike, grid: GridMap) -> dict[str, float]:
-    """Length [m], total turning [rad], sharpest curvature [1/m] and rate [1/m^2] by differences, least clearance [m].
-
-    The curve `(n, 2)` is sampled finely and evenly by the caller; a polyline's corner has no finite curvature, its
-    value grows as the samples come closer.
-    """
-    p = np.asarray(points, dtype=float)[:, :2]
-    s = cumulative_length(p)
-    first = np.gradient(p, s, axis=0, edge_order=2)
-    second = np.gradient(first, s, axis=0, edge_order=2)
-    bend = curvature(first, second)
-    return {
-        "length": float(s[-1]),
-        "turning": total_turning(p),
-        "curvature": float(np.abs(bend).max()),
-        "curvature_rate": float(np.abs(np.gradient(bend, s)).max()),
-        "clearance": least_clearance(p, grid),
-    }

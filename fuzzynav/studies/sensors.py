@@ -1,6 +1,6 @@
-"""Chapter 1 of the thesis: the scenes and runs of notebook 01, which are our choice, and its claims.
+"""Thesis 1: the scenes and runs of notebook 01, which are our choice, and its claims.
 
-The thesis prints no measured result in chapter 1: its numbers there are the two speeds of eq 1.4 and 1.5,
+The thesis prints no measured result there: its numbers there are the two speeds of eq 1.4 and 1.5,
 which `sensors` holds. The scenes below stand where it shows pictures.
 """
 

@@ -13,18 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
+from fuzzynav.checks import positive
 from fuzzynav.geometry import Array
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 __all__ = ["CircleCurve", "Curve", "LineCurve", "SpeedProfile", "SplineCurve", "chain"]
-
-
-def positive(values: dict[str, float]) -> None:
-    """Raise ValueError that names the first value which is not positive and finite."""
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{name} must be positive and finite, got {value}")
 
 
 class SpeedProfile:
@@ -50,7 +44,7 @@ class SpeedProfile:
     @classmethod
     def rest_to_rest(cls, length: float, cruise: float, ramp: float = 2.0) -> SpeedProfile:
         """From rest over `length` [m] to rest, at most at `cruise` [m/s]; speeding up takes `ramp` [s]."""
-        positive({"length": length, "cruise": cruise, "ramp": ramp})
+        positive(length=length, cruise=cruise, ramp=ramp)
         if length <= cruise * ramp:  # too short to reach the cruising speed
             return cls([0.0, ramp, 2.0 * ramp], [0.0, length / ramp, 0.0])
         plateau = length / cruise - ramp
@@ -162,7 +156,7 @@ class SplineCurve(Curve):
         for _ in range(5):
             d1 = self._curve(u, nu=1)
             u = u - (base + self._arc(first, u) - s) / np.hypot(d1[..., 0], d1[..., 1])
-        return u
+        return np.asarray(u)
 
     def derivatives(self, s: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)`; s is held at the ends of the curve."""

@@ -5,24 +5,23 @@ The names follow the thesis: flat state z = (x, dx/dt, y, dy/dt), virtual inputs
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import expm
 
-from fuzzynav.control import Observation
+from fuzzynav.checks import positive_fields
 from fuzzynav.geometry import Array
-from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.kernels import DFL, FLATNESS
-from fuzzynav.tracking.observers import Observer
-from fuzzynav.tracking.reference import Reference, Sample
-from fuzzynav.tracking.tracker import Tracker
+from fuzzynav.tracking.law import Setting, State, begin, stepped
+from fuzzynav.tracking.reference import Sample
 
 __all__ = [
     "CHAINS",
     "Dfl",
-    "DflGains",
+    "FlatGains",
     "Flatness",
     "LinearSystem",
     "closed_loop",
@@ -134,7 +133,7 @@ def yaw_rate_unguarded(u: ArrayLike, theta: ArrayLike, v: ArrayLike) -> Array:
     """The yaw rate of eq 5.2 without a guard: inf or nan at v = 0, for the picture of the singularity (errata T58)."""
     a, t = np.asarray(u, dtype=float), np.asarray(theta, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return (a[..., 1] * np.cos(t) - a[..., 0] * np.sin(t)) / np.asarray(v, dtype=float)
+        return np.asarray((a[..., 1] * np.cos(t) - a[..., 0] * np.sin(t)) / np.asarray(v, dtype=float))
 
 
 def flat_state(pose: ArrayLike, v: ArrayLike) -> Array:
@@ -156,8 +155,8 @@ def reference_state(sample: Sample) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DflGains:
-    """Gains of the flat laws, those of table 5.2, and how their singularity is guarded.
+class FlatGains:
+    """What both flat laws share: their gains, those of table 5.2, and how their singularity is guarded.
 
     Raises ValueError unless gains, v_min and rest_radius are positive; v0 may be left out.
     """
@@ -171,36 +170,63 @@ class DflGains:
     v0: float | None = None  # [m/s] first value of the integrator; None: the speed of the reference
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name == "v0":
-                if value is not None and not (np.isfinite(value) and value > 0):
-                    raise ValueError(
-                        f"v0 must be positive, got {value}: eq 5.2 divides by it, and a negative one drives the "
-                        "curve backwards; leave it out to start at the speed of the reference"
-                    )
-            elif not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{field.name} must be positive and finite, got {value}")
+        positive_fields(self, leave=("v0",))
+        if self.v0 is not None and not (np.isfinite(self.v0) and self.v0 > 0):
+            raise ValueError(
+                f"v0 must be positive, got {self.v0}: eq 5.2 divides by it, and a negative one drives the "
+                "curve backwards; leave it out to start at the speed of the reference"
+            )
 
-    @property
-    def vector(self) -> Array:
-        """The values as the kernels read them."""
-        v0 = np.nan if self.v0 is None else self.v0
-        return np.array([self.kp1, self.kd1, self.kp2, self.kd2, self.v_min, self.rest_radius, v0])
+    def start(self, setting: Setting) -> State:
+        """The state before the first step; raises ValueError for a dt at which the sampled loop is not stable."""
+        if setting.dt >= largest_step(self):
+            raise ValueError(
+                f"dt = {setting.dt:g} s is too large for these gains: the sampled loop is stable below "
+                f"{largest_step(self):.3g} s; shorten dt or lower the gains"
+            )
+        return begin(setting, "dfl", self)
 
 
-def gain_matrix(gains: DflGains) -> Array:
+class Dfl(FlatGains):
+    """Dynamic feedback linearization of thesis section 5.2.1, guarded.
+
+    The integrator starts at the speed of the reference, moves before it divides, keeps the reference's direction
+    of travel, and divides by v_min at least; a reference at rest is held within rest_radius.
+    """
+
+    __slots__ = ()
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state; reads position, velocity, acceleration, heading, v and omega of the row."""
+        return stepped(DFL, state, pose, row)
+
+
+class Flatness(FlatGains):
+    """The linear controller in flat coordinates: the same gains, but linearised about the reference's motion.
+
+    Heading and speed of the reference stand in the decoupling matrix where `Dfl` has the robot's own: exact on
+    the reference, first-order near it. The baseline that the thesis names and does not run (errata T65).
+    """
+
+    __slots__ = ()
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state; reads all that `Dfl` reads."""
+        return stepped(FLATNESS, state, pose, row)
+
+
+def gain_matrix(gains: FlatGains) -> Array:
     """Gain matrix K `(2, 4)`, block diagonal.   Source: thesis eq 2.24."""
     return np.array([[gains.kp1, gains.kd1, 0.0, 0.0], [0.0, 0.0, gains.kp2, gains.kd2]])
 
 
-def virtual_inputs(z: ArrayLike, z_ref: ArrayLike, u_ref: ArrayLike, gains: DflGains) -> Array:
+def virtual_inputs(z: ArrayLike, z_ref: ArrayLike, u_ref: ArrayLike, gains: FlatGains) -> Array:
     """Virtual inputs u = u_ref + K (z_ref - z) `(..., 2)` [m/s^2].
 
     Source: thesis eq 2.23, 2.25, 5.1.
     """
     gap = np.asarray(z_ref, dtype=float) - np.asarray(z, dtype=float)
-    return np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T
+    return np.asarray(np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T)
 
 
 def compensate(v: float, u: ArrayLike, theta: float, dt: float) -> tuple[float, float]:
@@ -217,21 +243,21 @@ def compensate(v: float, u: ArrayLike, theta: float, dt: float) -> tuple[float, 
     return moved, float(from_virtual(a, theta, moved)[1])
 
 
-def closed_loop(gains: DflGains) -> Array:
+def closed_loop(gains: FlatGains) -> Array:
     """Matrix A - B K `(4, 4)` of the error dynamics.   Source: thesis eq 2.21, 2.22."""
     return CHAINS.a - CHAINS.b @ gain_matrix(gains)
 
 
-def poles(gains: DflGains) -> Array:
+def poles(gains: FlatGains) -> Array:
     """Poles `(4,)` [1/s] of the error dynamics, of x and then of y: roots of s^2 + kd s + kp.
 
-    >>> poles(DflGains())[0].round(4)
+    >>> poles(Dfl())[0].round(4)
     np.complex128(-0.35+0.9367j)
     """
     return np.concatenate([np.roots([1.0, d, p]) for p, d in ((gains.kp1, gains.kd1), (gains.kp2, gains.kd2))])
 
 
-def gains_from_poles(wanted: ArrayLike) -> DflGains:
+def gains_from_poles(wanted: ArrayLike) -> Dfl:
     """Gains that put the poles of both channels at the two given places [1/s] (a conjugate or a real pair).
 
     Raises ValueError unless both lie in the left half-plane.
@@ -244,10 +270,10 @@ def gains_from_poles(wanted: ArrayLike) -> DflGains:
     if s.shape != (2,) or (s.real >= 0).any() or abs(s.sum().imag) > 1e-9 * abs(s).max():
         raise ValueError(f"give two poles in the left half-plane, real or conjugate, got {np.asarray(wanted).tolist()}")
     kp, kd = float((s[0] * s[1]).real), float(-s.sum().real)  # s^2 + kd s + kp, the companion form of each chain
-    return DflGains(kp1=kp, kd1=kd, kp2=kp, kd2=kd)
+    return Dfl(kp1=kp, kd1=kd, kp2=kp, kd2=kd)
 
 
-def error_response(t: ArrayLike, error: ArrayLike, gains: DflGains) -> Array:
+def error_response(t: ArrayLike, error: ArrayLike, gains: FlatGains) -> Array:
     """Flat error z - z_ref `(n, 4)` at times t `(n,)` [s] after it was `error` `(4,)`: exp((A - BK) t) e.
 
     The closed form that an ideal run must show.
@@ -265,82 +291,13 @@ def sampled_loop(kp: float, kd: float, dt: float) -> Array:
     return np.array([[1.0 - kp * dt**2, dt - kd * dt**2], [-kp * dt, 1.0 - kd * dt]])
 
 
-def largest_step(gains: DflGains) -> float:
+def largest_step(gains: FlatGains) -> float:
     """Least upper bound of the steps dt [s] at which the sampled error dynamics are stable.
 
     Both poles of `sampled_loop` lie inside the unit circle while kp dt^2 + 2 kd dt < 4.
 
-    >>> round(largest_step(DflGains()), 3)
+    >>> round(largest_step(Dfl()), 3)
     1.419
     """
     pairs = ((gains.kp1, gains.kd1), (gains.kp2, gains.kd2))
     return float(min((-d + np.sqrt(d**2 + 4.0 * p)) / p for p, d in pairs))
-
-
-class _FlatTracker(Tracker):
-    """What both flat laws share: gains checked against dt, and an observer for the derivatives if wanted."""
-
-    def __init__(
-        self,
-        reference: Reference,
-        gains: DflGains | None = None,
-        robot: Robot = TURTLEBOT2,
-        dt: float = 0.1,
-        observer: Observer | None = None,
-    ) -> None:
-        self.gains = gains or DflGains()
-        if dt >= largest_step(self.gains):
-            raise ValueError(
-                f"dt = {dt:g} s is too large for these gains: the sampled loop is stable below "
-                f"{largest_step(self.gains):.3g} s; shorten dt or lower the gains"
-            )
-        super().__init__(reference, self.gains.vector, robot, dt)
-        self.observer = observer
-
-    def reset(self) -> None:
-        """Forget the run before, and what the observer knew."""
-        super().reset()
-        if self.observer is not None:
-            self.observer.reset()
-
-    def __call__(self, observation: Observation) -> Array:
-        """Command for this observation; with an observer, from measured positions and its estimate alone."""
-        if self.observer is None:
-            return super().__call__(observation)
-        pose = np.asarray(observation.pose, dtype=float)
-        if not np.isfinite(pose).all():
-            raise ValueError(f"the measured pose is not finite: {pose.tolist()}")
-        if observation.time > self.reference.duration + 1e-9:
-            return np.zeros(2)
-        row = self.row(observation.time)
-        z = self.observer.update(pose[:2], row[2:4])
-        seen = np.array([z[0], z[2], pose[2]])
-        command, state = self.step(self.state, seen, row, z[[1, 3]])
-        before = self.state[0] if self.state[2] else row[7]
-        # what the limits left of the demand is the acceleration that the observer must expect
-        push, turn, speed = (command[0] - before) / self.dt, command[1], command[0]
-        c, s = np.cos(pose[2]), np.sin(pose[2])
-        self.observer.push(np.array([push * c - speed * turn * s, push * s + speed * turn * c]))
-        self.state = state
-        return command
-
-
-class Dfl(_FlatTracker):
-    """Dynamic feedback linearization of thesis section 5.2.1, guarded.
-
-    The integrator starts at the speed of the reference, moves before it divides, keeps the reference's direction
-    of travel, and divides by v_min at least; a reference at rest is held within rest_radius. Raises ValueError for
-    gains or a dt that cannot be stable, and for a reference that jumps or never moves.
-    """
-
-    kind = DFL
-
-
-class Flatness(_FlatTracker):
-    """The linear controller in flat coordinates: the same gains, but linearised about the reference's motion.
-
-    Heading and speed of the reference stand in the decoupling matrix where `Dfl` has the robot's own: exact on
-    the reference, first-order near it. The baseline that the thesis names and does not run (errata T65).
-    """
-
-    kind = FLATNESS

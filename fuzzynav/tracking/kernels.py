@@ -1,37 +1,29 @@
-"""The tracking laws and the closed loop as compiled steps.
+"""The tracking laws and their closed loop as compiled steps.
 
-Every law has the same shape: parameters, state, measured pose and one row of the reference give a command
-and the next state. `dfl`, `rivals` and `lqr` say what each law is; here it only runs. Laws and loop stand in
-one file, so that a change of one compiles all of them anew.
+Every law has the same shape: gains, memory, measured pose and one row of the reference give a command and the next
+memory. `dfl`, `laws` and `lqr` say what each law is; here it only runs. The records are named in `records`.
 """
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
-from fuzzynav.robot import TURTLEBOT2, Robot
+from fuzzynav.robot.kernels import PLANT, clip, drive, limit, wrap
+from fuzzynav.tracking.records import GAINS, MEMORY, ROW, Given, Made, Records
 
-__all__ = ["limits_of"]
+__all__ = ["horizon", "law", "run", "sampled", "step"]
 
-DFL, FLATNESS, KANAYAMA, PID, LQR, SLIDING, MPC = range(7)
-STATES = 6  # room that the largest state needs
+DFL, FLATNESS, KANAYAMA, PID, LQR, SLIDING = range(6)
 REST = 1e-9  # [m/s] as in reference: slower has no direction
+LEAST_DIVISOR = 0.2  # of the sliding law, where omega would have no effect on its second surface
 
 
 @njit(cache=True)
-def _wrap(angle: float) -> float:
-    return (angle + np.pi) % (2.0 * np.pi) - np.pi
-
-
-@njit(cache=True)
-def _clip(value: float, low: float, high: float) -> float:
-    return min(max(value, low), high)
-
-
-@njit(cache=True)
-def _sense(v: float, before: float) -> float:
+def _direction(v: float, before: float) -> float:
     """Direction of travel of the reference, +1 or -1; at rest the one before."""
     if v > REST:
         return 1.0
@@ -41,132 +33,166 @@ def _sense(v: float, before: float) -> float:
 
 
 @njit(cache=True)
-def _flat_law(
-    p: Array, s: Array, pose: Array, rates: Array, row: Array, dt: float, lim: Array, linear: bool, out: Array
-) -> None:
-    """p: kp1, kd1, kp2, kd2, v_min, rest_radius, v0; s: compensator speed, direction, started."""
-    if s[2] == 0.0:
-        s[0] = row[7] if np.isnan(p[6]) else p[6]
-        s[2] = 1.0
-    s[1] = _sense(row[7], s[1])
-    c, sn = np.cos(pose[2]), np.sin(pose[2])
-    dx, dy = s[0] * c, s[0] * sn
-    if not np.isnan(rates[0]):
-        dx, dy = rates[0], rates[1]
-    if abs(row[7]) <= REST and row[4] ** 2 + row[5] ** 2 <= REST**2:
-        if np.hypot(row[0] - pose[0], row[1] - pose[1]) <= p[5]:
-            s[0] = 0.0
-            out[0], out[1] = 0.0, 0.0
-            return
-    u1 = row[4] + p[0] * (row[0] - pose[0]) + p[1] * (row[2] - dx)
-    u2 = row[5] + p[2] * (row[1] - pose[1]) + p[3] * (row[3] - dy)
-    if linear:
-        c, sn = np.cos(row[6]), np.sin(row[6])
-    gain, loss = (lim[3], lim[4]) if s[0] >= 0.0 else (lim[4], lim[3])
-    zeta = _clip(u1 * c + u2 * sn, -loss, gain)
-    if s[1] > 0.0:
-        s[0] = _clip(s[0] + dt * zeta, max(lim[0], 0.0), lim[1])
-    else:
-        s[0] = _clip(s[0] + dt * zeta, lim[0], 0.0)
-    divisor = row[7] if linear else s[0]
-    out[0] = s[0]
-    if abs(divisor) >= p[4]:
-        out[1] = (u2 * c - u1 * sn) / divisor
-    else:  # near rest the turn fades over to the heading of the reference, which needs no division
-        part = abs(divisor) / p[4]
-        turn = row[8] + 0.5 * (p[1] + p[3]) * _wrap(row[6] - pose[2])
-        out[1] = (u2 * c - u1 * sn) / (s[1] * p[4]) + (1.0 - part) * turn
-
-
-@njit(cache=True)
-def _error(pose: Array, row: Array, e: Array) -> None:
-    """Tracking error in the robot's frame: ahead, left, heading."""
+def _error(pose: Array, row: Any) -> tuple[float, float, float]:
+    """Tracking error in the robot's frame: ahead [m], left [m], heading [rad]."""
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    dx, dy = row[0] - pose[0], row[1] - pose[1]
-    e[0], e[1], e[2] = c * dx + s * dy, -s * dx + c * dy, _wrap(row[6] - pose[2])
+    dx, dy = row.x - pose[0], row.y - pose[1]
+    return c * dx + s * dy, -s * dx + c * dy, wrap(row.theta - pose[2])
 
 
 @njit(cache=True)
-def _kanayama(p: Array, e: Array, row: Array, out: Array) -> None:
-    """p: k1, k2, k3."""
-    out[0] = row[7] * np.cos(e[2]) + p[0] * e[0]
-    out[1] = row[8] + p[1] * row[7] * e[1] + p[2] * np.sin(e[2])
+def _at_rest(gains: Any, pose: Array, row: Any) -> bool:
+    """Whether reference and robot stand: no speed, no acceleration, and the robot within the rest radius."""
+    if abs(row.v) > REST or row.ddx**2 + row.ddy**2 > REST**2:
+        return False
+    return bool(np.hypot(row.x - pose[0], row.y - pose[1]) <= gains.rest_radius)
 
 
 @njit(cache=True)
-def _pid(p: Array, s: Array, e: Array, row: Array, dt: float, lim: Array, out: Array) -> None:
-    """p: kp, ki, kd of v, kp, ki, kd of omega, k_y, feed-forward 0 or 1; s: 2 integrals, 2 errors, started, sense."""
-    s[5] = _sense(row[7], s[5])
-    errors = (e[0], e[2] + s[5] * p[6] * e[1])
-    bounds = ((lim[0], lim[1]), (-lim[2], lim[2]))
-    for k in range(2):
-        now = errors[k]
-        rate = (now - s[2 + k]) / dt if s[4] != 0.0 else 0.0
-        total = s[k] + dt * now
-        base = p[7] * row[7 + k] + p[3 * k] * now + p[3 * k + 2] * rate
-        value = base + p[3 * k + 1] * total
-        if bounds[k][0] <= value <= bounds[k][1] or (value - base) * now < 0.0:
-            s[k] = total
-        out[k] = base + p[3 * k + 1] * s[k]
-        s[2 + k] = now
-    s[4] = 1.0
+def _compensated(speed: float, push: float, memory: Any) -> float:
+    """The compensator's next speed [m/s] under a push [m/s^2], within the limits and never against the reference."""
+    lim = memory.lim
+    gain, loss = (lim.gain, lim.loss) if speed >= 0.0 else (lim.loss, lim.gain)
+    moved = speed + memory.dt * clip(push, -loss, gain)
+    return clip(moved, max(lim.v_low, 0.0), lim.v_high) if memory.sense > 0.0 else clip(moved, lim.v_low, 0.0)
 
 
 @njit(cache=True)
-def _lqr(p: Array, pose: Array, row: Array, out: Array) -> None:
-    """p: number of speeds n, first speed, step, then n gain matrices row by row; error in the reference's frame."""
-    n = int(p[0])
-    position = _clip((abs(row[7]) - p[1]) / p[2], 0.0, n - 1.0)
+def _flat_law(gains: Any, memory: Any, pose: Array, row: Any, linear: bool) -> tuple[float, float]:
+    """Virtual inputs from the errors, then the compensator; linear: decoupled with the reference's heading and v."""
+    if not memory.started:
+        memory.speed = row.v if np.isnan(gains.v0) else gains.v0
+        memory.started = True
+    memory.sense = _direction(row.v, memory.sense)
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    dx, dy = memory.speed * c, memory.speed * s
+    if not np.isnan(memory.rate_x):
+        dx, dy = memory.rate_x, memory.rate_y
+    if _at_rest(gains, pose, row):
+        memory.speed = 0.0
+        return 0.0, 0.0
+    u1 = row.ddx + gains.kp1 * (row.x - pose[0]) + gains.kd1 * (row.dx - dx)
+    u2 = row.ddy + gains.kp2 * (row.y - pose[1]) + gains.kd2 * (row.dy - dy)
+    if linear:
+        c, s = np.cos(row.theta), np.sin(row.theta)
+    memory.speed = _compensated(memory.speed, u1 * c + u2 * s, memory)
+    across, divisor = u2 * c - u1 * s, row.v if linear else memory.speed
+    if abs(divisor) >= gains.v_min:
+        return memory.speed, across / divisor
+    # near rest the turn fades over to the heading of the reference, which needs no division
+    part = abs(divisor) / gains.v_min
+    turn = row.omega + 0.5 * (gains.kd1 + gains.kd2) * wrap(row.theta - pose[2])
+    return memory.speed, across / (memory.sense * gains.v_min) + (1.0 - part) * turn
+
+
+@njit(cache=True)
+def _kanayama(gains: Any, pose: Array, row: Any) -> tuple[float, float]:
+    ahead, left, heading = _error(pose, row)
+    v = row.v * np.cos(heading) + gains.k1 * ahead
+    return v, row.omega + gains.k2 * row.v * left + gains.k3 * np.sin(heading)
+
+
+@njit(cache=True)
+def _sum(held: float, base: float, ki: float, error: float, dt: float, low: float, high: float) -> float:
+    """Integral after this error; it stops growing while the output is at the limit."""
+    total = held + dt * error
+    value = base + ki * total
+    return total if low <= value <= high or (value - base) * error < 0.0 else held
+
+
+@njit(cache=True)
+def _pid(gains: Any, memory: Any, pose: Array, row: Any) -> tuple[float, float]:
+    """Two channels: the error ahead gives v, the heading error and k_y times the error left give omega."""
+    memory.sense = _direction(row.v, memory.sense)
+    ahead, left, heading = _error(pose, row)
+    turn, dt, lim = heading + memory.sense * gains.k_y * left, memory.dt, memory.lim
+    rate_v = (ahead - memory.error_v) / dt if memory.started else 0.0
+    rate_omega = (turn - memory.error_omega) / dt if memory.started else 0.0
+    v = gains.feed_forward * row.v + gains.kp_v * ahead + gains.kd_v * rate_v
+    omega = gains.feed_forward * row.omega + gains.kp_omega * turn + gains.kd_omega * rate_omega
+    memory.sum_v = _sum(memory.sum_v, v, gains.ki_v, ahead, dt, lim.v_low, lim.v_high)
+    memory.sum_omega = _sum(memory.sum_omega, omega, gains.ki_omega, turn, dt, -lim.omega, lim.omega)
+    memory.error_v, memory.error_omega, memory.started = ahead, turn, True
+    return v + gains.ki_v * memory.sum_v, omega + gains.ki_omega * memory.sum_omega
+
+
+@njit(cache=True)
+def _lqr(schedule: Any, pose: Array, row: Any) -> tuple[float, float]:
+    """u = u_ref - K(v) e, the gain between the two nearest of its speeds; error in the reference's frame."""
+    n, table = schedule.count, schedule.table
+    position = clip((abs(row.v) - schedule.first) / schedule.step, 0.0, n - 1.0)
     k = min(int(position), n - 2) if n > 1 else 0
-    part = position - k if n > 1 else 0.0
-    c, s = np.cos(row[6]), np.sin(row[6])
-    dx, dy = pose[0] - row[0], pose[1] - row[1]
-    sense = 1.0 if row[7] >= 0.0 else -1.0
-    e = (c * dx + s * dy, -s * dx + c * dy, _wrap(pose[2] - row[6]))
-    for i in range(2):
-        total = 0.0
-        for j in range(3):
-            low = p[3 + 6 * k + 3 * i + j]
-            gain = low + part * (p[3 + 6 * (k + 1) + 3 * i + j] - low) if n > 1 else low
-            # driving backwards mirrors the plane: the gain from sideways error to yaw rate changes sign
-            total += (sense if i == 1 and j == 1 else 1.0) * gain * e[j]
-        out[i] = row[7 + i] - total
+    part, other = (position - k, k + 1) if n > 1 else (0.0, 0)
+    c, s = np.cos(row.theta), np.sin(row.theta)
+    dx, dy = pose[0] - row.x, pose[1] - row.y
+    # driving backwards mirrors the plane: the gain from sideways error to yaw rate changes sign
+    sense = 1.0 if row.v >= 0.0 else -1.0
+    e = (c * dx + s * dy, -s * dx + c * dy, wrap(pose[2] - row.theta))
+    v, omega = 0.0, 0.0
+    for j in range(3):
+        v += (table[k, 0, j] + part * (table[other, 0, j] - table[k, 0, j])) * e[j]
+        gain = table[k, 1, j] + part * (table[other, 1, j] - table[k, 1, j])
+        omega += (sense if j == 1 else 1.0) * gain * e[j]
+    return row.v - v, row.omega - omega
 
 
 @njit(cache=True)
-def _sliding(p: Array, e: Array, row: Array, out: Array) -> None:
-    """p: k1, phi1, k2, phi2, c."""
-    sense = 1.0 if row[7] >= 0.0 else -1.0
-    slope = sense * p[4] / (1.0 + (p[4] * e[1]) ** 2)
-    s2 = _wrap(e[2] + sense * np.arctan(p[4] * e[1]))
-    reach = row[8] + slope * row[7] * np.sin(e[2]) + p[2] * _clip(s2 / p[3], -1.0, 1.0)
-    out[1] = reach / max(1.0 + slope * e[0], 0.2)
-    out[0] = row[7] * np.cos(e[2]) + out[1] * e[1] + p[0] * _clip(e[0] / p[1], -1.0, 1.0)
+def _sliding(gains: Any, pose: Array, row: Any) -> tuple[float, float]:
+    ahead, left, heading = _error(pose, row)
+    sense = 1.0 if row.v >= 0.0 else -1.0
+    slope = sense * gains.c / (1.0 + (gains.c * left) ** 2)
+    surface = wrap(heading + sense * np.arctan(gains.c * left))
+    reach = row.omega + slope * row.v * np.sin(heading) + gains.k2 * clip(surface / gains.phi2, -1.0, 1.0)
+    omega = reach / max(1.0 + slope * ahead, LEAST_DIVISOR)
+    return row.v * np.cos(heading) + omega * left + gains.k1 * clip(ahead / gains.phi1, -1.0, 1.0), omega
 
 
 @njit(cache=True)
-def _law(
-    kind: int, p: Array, s: Array, pose: Array, rates: Array, row: Array, dt: float, lim: Array, out: Array
-) -> None:
-    """One step of law `kind`: changes the state s and the command out."""
-    e = np.empty(3)
-    _error(pose, row, e)
-    if kind == DFL or kind == FLATNESS:
-        _flat_law(p, s, pose, rates, row, dt, lim, kind == FLATNESS, out)
-    elif kind == KANAYAMA:
-        _kanayama(p, e, row, out)
-    elif kind == PID:
-        _pid(p, s, e, row, dt, lim, out)
-    elif kind == LQR:
-        _lqr(p, pose, row, out)
-    elif kind == SLIDING:
-        _sliding(p, e, row, out)
-    out[0] = _clip(out[0], lim[0], lim[1])
-    out[1] = _clip(out[1], -lim[2], lim[2])
+def law(code: int, gains: Any, memory: Any, pose: Array, row: Any) -> tuple[float, float]:
+    """Command of law `code`, within the limits of speed; changes its memory."""
+    v, omega = 0.0, 0.0
+    if code == DFL or code == FLATNESS:
+        v, omega = _flat_law(gains.dfl, memory, pose, row, code == FLATNESS)
+    elif code == KANAYAMA:
+        v, omega = _kanayama(gains.kanayama, pose, row)
+    elif code == PID:
+        v, omega = _pid(gains.pid, memory, pose, row)
+    elif code == LQR:
+        v, omega = _lqr(gains.lqr, pose, row)
+    elif code == SLIDING:
+        v, omega = _sliding(gains.sliding, pose, row)
+    return clip(v, memory.lim.v_low, memory.lim.v_high), clip(omega, -memory.lim.omega, memory.lim.omega)
 
 
 @njit(cache=True)
-def _sampled(v: float, omega: float, dt: float, out: Array) -> None:
+def step(code: int, gains: Records, memory: Records, after: Records, pose: Array, row: Records, out: Array) -> None:
+    """One step from Python: arrays of one record, the row of no dimension; fills the memory after it and out (2,)."""
+    after[0] = memory[0]
+    out[0], out[1] = law(code, gains[0], after[0], pose, row[()])
+
+
+@njit(cache=True)
+def run(code: int, gains: Records, memory: Records, rows: Records, plant: Records, given: Given, made: Made) -> None:
+    """A whole run of one law along its rows; fills poses (the first is the start), commands and driven."""
+    mine, mind, robot, poses, commands = gains[0], memory[0], plant[0], made.poses, made.commands
+    pose, seen, first, wheels = poses[0].copy(), np.empty(3), np.empty(2), np.empty(2)
+    first[0], first[1] = rows[0].v, rows[0].omega
+    wheels[0] = (first[0] + first[1] * robot.track / 2.0) / robot.wheel_radius
+    wheels[1] = (first[0] - first[1] * robot.track / 2.0) / robot.wheel_radius
+    v, omega = first[0], first[1]
+    for k in range(commands.shape[0]):
+        for i in range(3):
+            seen[i] = pose[i] + given.noise[k, i]
+        wish_v, wish_omega = law(code, mine, mind, seen, rows[k])
+        v, omega = limit(wish_v, wish_omega, v, omega, mind.lim, mind.dt)
+        commands[k, 0], commands[k, 1] = v, omega
+        acting = commands[k - given.late] if k >= given.late else first
+        drive(pose, wheels, acting, given.slip[k], robot, mind.dt, given.euler, made.driven[k])
+        poses[k + 1] = pose
+
+
+@njit(cache=True)
+def sampled(v: float, omega: float, dt: float, out: Array) -> None:
     """Model numbers (15,) of one step: A row by row (9), then B row by row (6)."""
     a = omega * dt
     if abs(a) < 1e-3:  # series: the closed form would divide 0 by 0
@@ -175,17 +201,17 @@ def _sampled(v: float, omega: float, dt: float, out: Array) -> None:
     else:
         s, c1, r = np.sin(a) / a, (1.0 - np.cos(a)) / a, (a - np.sin(a)) / (a * a)
         q = (1.0 - np.cos(a)) / (a * a)
-    cos, sin, step = np.cos(a), np.sin(a), v * dt
-    out[0], out[1], out[2] = cos, sin, step * c1
-    out[3], out[4], out[5] = -sin, cos, step * s
+    cos, sin, way = np.cos(a), np.sin(a), v * dt
+    out[0], out[1], out[2] = cos, sin, way * c1
+    out[3], out[4], out[5] = -sin, cos, way * s
     out[6], out[7], out[8] = 0.0, 0.0, 1.0
-    out[9], out[10] = dt * s, step * dt * r
-    out[11], out[12] = -dt * c1, step * dt * q
+    out[9], out[10] = dt * s, way * dt * r
+    out[11], out[12] = -dt * c1, way * dt * q
     out[13], out[14] = 0.0, dt
 
 
 @njit(cache=True)
-def _horizon(
+def horizon(
     error: Array, last: Array, wanted: Array, dt: float, bounds: Array, numbers: Array, low: Array, high: Array
 ) -> None:
     """The numbers of one predictive program: model (15 N, negated) and the bounds of its rows (7 N).
@@ -194,7 +220,7 @@ def _horizon(
     """
     n = wanted.shape[0]
     for j in range(n):
-        _sampled(wanted[j, 0], wanted[j, 1], dt, numbers[15 * j : 15 * j + 15])
+        sampled(wanted[j, 0], wanted[j, 1], dt, numbers[15 * j : 15 * j + 15])
     for r in range(3):
         fixed = 0.0
         for c in range(3):
@@ -203,119 +229,19 @@ def _horizon(
     for j in range(n):
         for r in range(2):
             before = last[r] if j == 0 else wanted[j - 1, r]
-            step, k = wanted[j, r] - before, 2 * j + r
+            change, k = wanted[j, r] - before, 2 * j + r
             low[3 * n + k], high[3 * n + k] = bounds[0, r] - wanted[j, r], bounds[1, r] - wanted[j, r]
-            low[5 * n + k], high[5 * n + k] = -bounds[2, r] - step, bounds[2, r] - step
+            low[5 * n + k], high[5 * n + k] = -bounds[2, r] - change, bounds[2, r] - change
     for k in range(15 * n):
         numbers[k] = -numbers[k]
 
 
-def limits_of(robot: Robot) -> Array:
-    """The limits `(6,)` of a robot as the kernels read them: v low, v high, omega, gain, loss of v, of omega."""
-    return np.array(
-        [robot.min_vel_x, robot.max_vel_x, robot.max_vel_theta, robot.acc_lim_x, robot.dec_lim_x, robot.acc_lim_theta]
-    )
-
-
-@njit(cache=True)
-def _limit(wish: Array, last: Array, lim: Array, dt: float) -> None:
-    """Limits of speed and acceleration as in robot.limit; changes `wish`."""
-    v = last[0]
-    gain, loss, ratio = lim[3] * dt, lim[4] * dt, lim[3] / lim[4]
-    if v >= 0.0:
-        up = v + gain
-    else:
-        up = v + loss if v + loss <= 0.0 else (v + loss) * ratio
-    if v <= 0.0:
-        down = v - gain
-    else:
-        down = v - loss if v - loss >= 0.0 else (v - loss) * ratio
-    wish[0] = min(max(min(max(wish[0], lim[0]), lim[1]), down), up)
-    step = lim[5] * dt
-    wish[1] = min(max(min(max(wish[1], -lim[2]), lim[2]), last[1] - step), last[1] + step)
-
-
-@njit(cache=True)
-def _drive(
-    pose: Array,
-    wheels: Array,
-    command: Array,
-    slip: Array,
-    body: Array,
-    plant: Array,
-    dt: float,
-    euler: bool,
-    driven: Array,
-) -> None:
-    """One step of the robot: motor lag, slip, wrong radii, exact arc or Euler. Changes pose, wheels, driven.
-
-    body: wheel radius, track, motor lag; plant: relative radius errors right and left.
-    """
-    half = command[1] * body[1] / 2.0
-    follow = 1.0 if body[2] == 0.0 else 1.0 - np.exp(-dt / body[2])
-    wheels[0] += follow * ((command[0] + half) / body[0] - wheels[0])
-    wheels[1] += follow * ((command[0] - half) / body[0] - wheels[1])
-    right = wheels[0] * body[0] * (1.0 + plant[0]) * (1.0 - slip[0])
-    left = wheels[1] * body[0] * (1.0 + plant[1]) * (1.0 - slip[1])
-    v, turn = (right + left) / 2.0, (right - left) / body[1] * dt
-    driven[0], driven[1] = v, turn / dt
-    if euler:
-        pose[0] += v * dt * np.cos(pose[2])
-        pose[1] += v * dt * np.sin(pose[2])
-    else:
-        chord = v * dt if turn == 0.0 else v * dt * np.sin(turn / 2.0) / (turn / 2.0)
-        pose[0] += chord * np.cos(pose[2] + turn / 2.0)
-        pose[1] += chord * np.sin(pose[2] + turn / 2.0)
-    pose[2] = _wrap(pose[2] + turn)
-
-
-@njit(cache=True)
-def _run(
-    kind: int,
-    p: Array,
-    rows: Array,
-    start: Array,
-    noise: Array,
-    slip: Array,
-    lag_steps: int,
-    body: Array,
-    plant: Array,
-    lim: Array,
-    dt: float,
-    euler: bool,
-    poses: Array,
-    commands: Array,
-    driven: Array,
-) -> None:
-    """A whole run of one law; fills poses, commands, driven."""
-    s, out, seen, rates = np.zeros(STATES), np.zeros(2), np.empty(3), np.full(2, np.nan)
-    pose, last = start.copy(), rows[0, 7:9].copy()
-    wheels = np.empty(2)
-    wheels[0] = (last[0] + last[1] * body[1] / 2.0) / body[0]
-    wheels[1] = (last[0] - last[1] * body[1] / 2.0) / body[0]
-    first = last.copy()
-    poses[0] = pose
-    for k in range(commands.shape[0]):
-        for i in range(3):
-            seen[i] = pose[i] + noise[k, i]
-        _law(kind, p, s, seen, rates, rows[k], dt, lim, out)
-        _limit(out, last, lim, dt)
-        last[0], last[1] = out[0], out[1]
-        commands[k] = out
-        acting = commands[k - lag_steps] if k >= lag_steps else first
-        _drive(pose, wheels, acting, slip[k], body, plant, dt, euler, driven[k])
-        poses[k + 1] = pose
-
-
 def _warm() -> None:
     """Compile every law and the loop with the types used in practice."""
-    row, lim = np.array([0.1, 0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.2, 0.0]), limits_of(TURTLEBOT2)
-    for kind in range(MPC):
-        p = np.ones(9)
-        _law(kind, p, np.zeros(STATES), np.zeros(3), np.full(2, np.nan), row, 0.1, lim, np.zeros(2))
-    rows = np.tile(row, (3, 1))
-    noise, slip, body = np.zeros((2, 3)), np.zeros((2, 2)), np.array([0.035, 0.23, 0.0])
-    made = np.empty((3, 3)), np.empty((2, 2)), np.empty((2, 2))
-    _run(KANAYAMA, np.ones(9), rows, np.zeros(3), noise, slip, 0, body, np.zeros(2), lim, 0.1, False, *made)
-    rows, numbers = np.ascontiguousarray(rows[:2, 7:9]), np.empty(30)
-    _horizon(np.zeros(3), np.zeros(2), rows, 0.1, np.zeros((3, 2)), numbers, np.zeros(14), np.zeros(14))
+    gains, memory, rows, plant = np.ones(1, GAINS), np.ones(1, MEMORY), np.ones(3, ROW), np.ones(1, PLANT)
+    gains["lqr"]["count"] = 1
+    step(KANAYAMA, gains, memory, memory.copy(), np.zeros(3), np.asarray(rows[0]), np.zeros(2))
+    given = Given(np.zeros((2, 3)), np.zeros((2, 2)), 0, False)
+    run(KANAYAMA, gains, memory, rows, plant, given, Made(np.zeros((3, 3)), np.zeros((2, 2)), np.zeros((2, 2))))
+    numbers, bounds = np.empty(30), np.zeros((3, 2))
+    horizon(np.zeros(3), np.zeros(2), np.ones((2, 2)), 0.1, bounds, numbers, np.zeros(14), np.zeros(14))

@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzynav.checks import positive_fields
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot import TURTLEBOT2, Robot
-from fuzzynav.tracking.kernels import KANAYAMA, PID, SLIDING
-from fuzzynav.tracking.reference import Reference
-from fuzzynav.tracking.tracker import Tracker
+from fuzzynav.tracking.kernels import KANAYAMA, LEAST_DIVISOR, PID, SLIDING
+from fuzzynav.tracking.law import Setting, State, begin, stepped
 
 __all__ = [
     "Kanayama",
-    "KanayamaGains",
     "Pid",
-    "PidGains",
     "Sliding",
-    "SlidingGains",
     "error_rate",
     "kanayama",
     "kanayama_energy",
@@ -59,43 +56,35 @@ def error_rate(error: ArrayLike, command: ArrayLike, wanted: ArrayLike) -> Array
     return np.stack(np.broadcast_arrays(first, second, omega_r - omega), axis=-1)
 
 
-def _check_positive(gains: object, may_be_zero: tuple[str, ...] = ()) -> None:
-    """Raise ValueError for the first gain that is not positive (not negative, where zero is allowed)."""
-    for field in fields(gains):  # type: ignore[arg-type]
-        value = getattr(gains, field.name)
-        if isinstance(value, bool):
-            continue
-        if not np.isfinite(value) or value < 0 or (value == 0 and field.name not in may_be_zero):
-            kind = "finite and not negative" if field.name in may_be_zero else "positive and finite"
-            raise ValueError(f"{field.name} must be {kind}, got {value}")
-
-
 # --- the law of eq 5.10 --------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KanayamaGains:
-    """Gains of eq 5.10; the thesis prints none, these are ours. Raises ValueError unless all are positive."""
+class Kanayama:
+    """The law of eq 5.10. The thesis prints no gains, these are ours. Raises ValueError unless all are positive."""
 
     k1: float = 1.0  # [1/s]
     k2: float = 10.0  # [1/m^2]
     k3: float = 1.5  # [1/s]
 
     def __post_init__(self) -> None:
-        _check_positive(self)
+        positive_fields(self)
 
-    @property
-    def vector(self) -> Array:
-        """The values as the kernels read them."""
-        return np.array([self.k1, self.k2, self.k3])
+    def start(self, setting: Setting) -> State:
+        """The state before the first step."""
+        return begin(setting, "kanayama", self)
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state."""
+        return stepped(KANAYAMA, state, pose, row)
 
 
-def kanayama(error: ArrayLike, wanted: ArrayLike, gains: KanayamaGains) -> Array:
+def kanayama(error: ArrayLike, wanted: ArrayLike, gains: Kanayama) -> Array:
     """Command `(..., 2)` from the tracking error and the reference's speeds (v_d, omega_d).
 
     A tracking law: with v_d = 0 a sideways error moves nothing (errata T56).   Source: thesis eq 5.10.
 
-    >>> kanayama([0.0, 1.0, 0.0], [0.0, 0.0], KanayamaGains()).tolist()
+    >>> kanayama([0.0, 1.0, 0.0], [0.0, 0.0], Kanayama()).tolist()
     [0.0, 0.0]
     """
     e, r = np.asarray(error, dtype=float), np.asarray(wanted, dtype=float)
@@ -104,38 +93,27 @@ def kanayama(error: ArrayLike, wanted: ArrayLike, gains: KanayamaGains) -> Array
     return np.stack(np.broadcast_arrays(v, omega), axis=-1)
 
 
-def kanayama_energy(error: ArrayLike, gains: KanayamaGains) -> Array:
+def kanayama_energy(error: ArrayLike, gains: Kanayama) -> Array:
     """V = (e_x^2 + e_y^2)/2 + (1 - cos e_theta)/k2 `(...)`: never grows under eq 5.10 (errata T56)."""
     e = np.asarray(error, dtype=float)
     return np.asarray((e[..., 0] ** 2 + e[..., 1] ** 2) / 2.0 + (1.0 - np.cos(e[..., 2])) / gains.k2)
 
 
-def kanayama_energy_rate(error: ArrayLike, gains: KanayamaGains) -> Array:
+def kanayama_energy_rate(error: ArrayLike, gains: Kanayama) -> Array:
     """dV/dt = -k1 e_x^2 - (k3/k2) sin^2 e_theta `(...)` of the energy above (errata T56)."""
     e = np.asarray(error, dtype=float)
     return np.asarray(-gains.k1 * e[..., 0] ** 2 - gains.k3 / gains.k2 * np.sin(e[..., 2]) ** 2)
-
-
-class Kanayama(Tracker):
-    """The law of eq 5.10 as a controller."""
-
-    kind = KANAYAMA
-
-    def __init__(
-        self, reference: Reference, gains: KanayamaGains | None = None, robot: Robot = TURTLEBOT2, dt: float = 0.1
-    ) -> None:
-        self.gains = gains or KanayamaGains()
-        super().__init__(reference, self.gains.vector, robot, dt)
 
 
 # --- PID -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PidGains:
-    """Gains of two PID channels: error ahead to v, heading error plus k_y times error left to omega.
+class Pid:
+    """Two PID channels: error ahead to v, heading error plus k_y times error left to omega.
 
-    `feed_forward` adds the reference's own speeds, which eq 1.12 does not have. Raises ValueError for a negative
+    `feed_forward` adds the reference's own speeds, which eq 1.12 does not have. An integral stops growing while its
+    output is at the limit. Raises ValueError for a negative
     gain, or a proportional gain of 0.
     """
 
@@ -149,13 +127,15 @@ class PidGains:
     feed_forward: bool = False
 
     def __post_init__(self) -> None:
-        _check_positive(self, may_be_zero=("ki_v", "kd_v", "ki_omega", "kd_omega", "k_y"))
+        positive_fields(self, may_be_zero=("ki_v", "kd_v", "ki_omega", "kd_omega", "k_y"))
 
-    @property
-    def vector(self) -> Array:
-        """The values as the kernels read them."""
-        v, omega = (self.kp_v, self.ki_v, self.kd_v), (self.kp_omega, self.ki_omega, self.kd_omega)
-        return np.array([*v, *omega, self.k_y, float(self.feed_forward)])
+    def start(self, setting: Setting) -> State:
+        """The state before the first step."""
+        return begin(setting, "pid", self)
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state."""
+        return stepped(PID, state, pose, row)
 
 
 def pid(error: float, integral: float, last: float, gains: tuple[float, float, float], dt: float) -> float:
@@ -170,24 +150,15 @@ def pid(error: float, integral: float, last: float, gains: tuple[float, float, f
     return kp * error + ki * integral + kd * (error - last) / dt
 
 
-class Pid(Tracker):
-    """Two PID channels as a controller; an integral stops growing while its output is at the limit."""
-
-    kind = PID
-
-    def __init__(
-        self, reference: Reference, gains: PidGains | None = None, robot: Robot = TURTLEBOT2, dt: float = 0.1
-    ) -> None:
-        self.gains = gains or PidGains()
-        super().__init__(reference, self.gains.vector, robot, dt)
-
-
 # --- sliding mode --------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SlidingGains:
-    """Reaching rates, boundary layers and the slope of the second surface. Raises ValueError unless positive."""
+class Sliding:
+    """Sliding mode with the repaired surfaces: reaching rates, boundary layers and the slope of the second surface.
+
+    Raises ValueError unless all are positive.
+    """
 
     k1: float = 0.3  # [m/s]
     phi1: float = 0.1  # [m]
@@ -196,12 +167,15 @@ class SlidingGains:
     c: float = 2.0  # [1/m]
 
     def __post_init__(self) -> None:
-        _check_positive(self)
+        positive_fields(self)
 
-    @property
-    def vector(self) -> Array:
-        """The values as the kernels read them."""
-        return np.array([self.k1, self.phi1, self.k2, self.phi2, self.c])
+    def start(self, setting: Setting) -> State:
+        """The state before the first step."""
+        return begin(setting, "sliding", self)
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state."""
+        return stepped(SLIDING, state, pose, row)
 
 
 def sliding_surfaces_as_printed(error: ArrayLike, rate: ArrayLike, slopes: ArrayLike) -> Array:
@@ -210,10 +184,10 @@ def sliding_surfaces_as_printed(error: ArrayLike, rate: ArrayLike, slopes: Array
     The rate holds v and omega, so a law written with s is an algebraic loop, and three surfaces cannot be forced
     with two inputs (errata T53).
     """
-    return np.asarray(rate, dtype=float) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float)
+    return np.asarray(np.asarray(rate) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float))
 
 
-def sliding_surfaces(error: ArrayLike, v_r: ArrayLike, gains: SlidingGains) -> Array:
+def sliding_surfaces(error: ArrayLike, v_r: ArrayLike, gains: Sliding) -> Array:
     """Two surfaces `(..., 2)` for two inputs: s1 = e1 [m], s2 = e3 + sign(v_r) atan(c e2) [rad].
 
     On s2 = 0 the robot is turned towards the path, and e2 shrinks while v_r is not 0.
@@ -224,7 +198,7 @@ def sliding_surfaces(error: ArrayLike, v_r: ArrayLike, gains: SlidingGains) -> A
     return np.stack([e[..., 0] + 0.0 * sense, wrap(e[..., 2] + sense * np.arctan(gains.c * e[..., 1]))], axis=-1)
 
 
-def sliding(error: ArrayLike, wanted: ArrayLike, gains: SlidingGains) -> Array:
+def sliding(error: ArrayLike, wanted: ArrayLike, gains: Sliding) -> Array:
     """Command `(..., 2)` that gives ds_i/dt = -k_i sat(s_i/phi_i); the reference's speeds are (v_r, omega_r).
 
     Where c e1 would make omega ineffective on s2 (1 + slope e1 below 0.2) the divisor is held.
@@ -236,7 +210,7 @@ def sliding(error: ArrayLike, wanted: ArrayLike, gains: SlidingGains) -> Array:
     slope = sense * gains.c / (1.0 + (gains.c * e[..., 1]) ** 2)
     reach = gains.k2 * np.clip(s[..., 1] / gains.phi2, -1.0, 1.0)
     turning = r[..., 1] + slope * r[..., 0] * np.sin(e[..., 2]) + reach
-    omega = turning / np.maximum(1.0 + slope * e[..., 0], 0.2)
+    omega = turning / np.maximum(1.0 + slope * e[..., 0], LEAST_DIVISOR)
     pull = gains.k1 * np.clip(s[..., 0] / gains.phi1, -1.0, 1.0)
     return np.stack([r[..., 0] * np.cos(e[..., 2]) + omega * e[..., 1] + pull, omega], axis=-1)
 
@@ -248,15 +222,3 @@ def sliding_energy(surfaces: ArrayLike) -> Array:
     """
     s = np.asarray(surfaces, dtype=float)
     return np.asarray((s**2).sum(axis=-1) / 2.0)
-
-
-class Sliding(Tracker):
-    """Sliding mode with the repaired surfaces as a controller."""
-
-    kind = SLIDING
-
-    def __init__(
-        self, reference: Reference, gains: SlidingGains | None = None, robot: Robot = TURTLEBOT2, dt: float = 0.1
-    ) -> None:
-        self.gains = gains or SlidingGains()
-        super().__init__(reference, self.gains.vector, robot, dt)

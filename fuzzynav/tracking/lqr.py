@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import solve_continuous_are, solve_discrete_are
+from scipy.linalg import LinAlgError, solve_continuous_are, solve_discrete_are
 
+from fuzzynav.checks import finite, positive
 from fuzzynav.geometry import Array
-from fuzzynav.robot import TURTLEBOT2, Robot
-from fuzzynav.tracking.kernels import LQR, _sampled
-from fuzzynav.tracking.reference import Reference
-from fuzzynav.tracking.tracker import Tracker
+from fuzzynav.tracking.kernels import LQR, sampled
+from fuzzynav.tracking.law import Setting, State, begin, stepped
+from fuzzynav.tracking.records import MOST_SPEEDS
 
 __all__ = ["Lqr", "Weights", "bellman_residual", "error_model", "lqr_cost", "lqr_gain", "riccati", "sampled_model"]
 
@@ -65,22 +66,27 @@ def sampled_model(v: ArrayLike, omega: ArrayLike, dt: float) -> tuple[Array, Arr
     speed, turn = np.broadcast_arrays(np.asarray(v, dtype=float), np.asarray(omega, dtype=float))
     numbers = np.empty((speed.size, 15))
     for k, (one, other) in enumerate(zip(speed.ravel(), turn.ravel(), strict=True)):
-        _sampled(one, other, dt, numbers[k])
+        sampled(one, other, dt, numbers[k])
     return numbers[:, :9].reshape(*speed.shape, 3, 3), numbers[:, 9:].reshape(*speed.shape, 3, 2)
 
 
 def riccati(a: Array, b: Array, weights: Weights) -> Array:
     """Solution P `(3, 3)` of A'P + PA - P B R^-1 B'P + Q = 0, by SciPy.
 
-    Source: thesis eq 1.17. Raises ValueError where (A, B) is not controllable, as for a reference at rest.
+    Source: thesis eq 1.17. Raises ValueError where (A, B) is not controllable, as for a reference at rest, and where
+    the weights lie too far apart for a solution.
     """
+    a, b = finite(a, "A", 3, 3), finite(b, "B", 3, 2)
     rank = np.linalg.matrix_rank(np.hstack([b, a @ b, a @ a @ b]))
     if rank < len(a):
         raise ValueError(
             f"the linearised unicycle is not controllable here: [B, AB, AAB] has rank {rank} of {len(a)}. "
             "At v_r = 0 no gain reaches the sideways error: give a reference that moves"
         )
-    return np.asarray(solve_continuous_are(a, b, weights.q, weights.r))
+    try:
+        return np.asarray(solve_continuous_are(a, b, weights.q, weights.r))
+    except LinAlgError as error:
+        raise ValueError(f"the Riccati equation has no finite solution for {weights}: {error}") from None
 
 
 def lqr_gain(v: float, omega: float, weights: Weights, dt: float | None = None) -> Array:
@@ -91,9 +97,10 @@ def lqr_gain(v: float, omega: float, weights: Weights, dt: float | None = None) 
     >>> lqr_gain(0.2, 0.0, Weights(ahead=4.0, v=1.0))[0, 0].round(6).item()      # sqrt(4/1) on the error ahead
     2.0
     """
-    a, b = error_model(v, omega)
+    a, b = error_model(*finite([v, omega], "the speeds of the reference (v, omega)", 2))
     if dt is None:
         return np.asarray(np.linalg.solve(weights.r, b.T @ riccati(a, b, weights)))
+    positive(dt=dt)
     riccati(a, b, weights)
     a, b = sampled_model(v, omega, dt)
     p = solve_discrete_are(a, b, weights.q * dt, weights.r * dt)
@@ -120,35 +127,46 @@ def bellman_residual(x: ArrayLike, u: ArrayLike, v: float, omega: float, weights
     return float(e @ weights.q @ e + c @ weights.r @ c + 2.0 * e @ p @ (a @ e + b @ c))
 
 
-class Lqr(Tracker):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lqr:
     """LQR tracking with a gain scheduled over the reference's speed; one speed gives the constant gain.
 
-    Raises ValueError for a reference that stops or reverses: constant-gain LQR needs v_r away from 0 (errata T55).
+    Raises ValueError unless there are 1 to 33 speeds.
     """
 
-    kind = LQR
+    weights: Weights = field(default_factory=Weights)
+    speeds: int = 9  # at which the Riccati equation is solved, between the reference's slowest and fastest
 
-    def __init__(
-        self,
-        reference: Reference,
-        weights: Weights | None = None,
-        robot: Robot = TURTLEBOT2,
-        dt: float = 0.1,
-        speeds: int = 9,
-    ) -> None:
-        self.weights = weights or Weights()
-        super().__init__(reference, np.zeros(3), robot, dt)
-        v = np.abs(self.rows[:, 7])
+    def __post_init__(self) -> None:
+        if not 1 <= self.speeds <= MOST_SPEEDS:
+            raise ValueError(f"the gain can be scheduled over 1 to {MOST_SPEEDS} speeds, got {self.speeds}")
+
+    def schedule(self, setting: Setting) -> tuple[Array, Array]:
+        """Speeds `(n,)` [m/s] and the gain `(n, 2, 3)` at each of them.
+
+        Raises ValueError for a reference that stops or reverses: LQR needs v_r away from 0 (errata T55).
+        """
+        v = np.abs(setting.rows["v"])
         if v.min() < LEAST_SPEED:
-            slow = dt * int(v.argmin())
+            slow = setting.dt * int(v.argmin())
             raise ValueError(
                 f"LQR needs a reference that keeps moving, this one has v = {v.min():.2g} m/s at t = {slow:.3g} s: "
                 "at rest the linearised robot is not controllable (A = 0, rank of B is 2 of 3)"
             )
         low, high = float(v.min()), float(v.max())
-        n = speeds if high - low > 1e-9 and speeds > 1 else 1
+        n = self.speeds if high - low > 1e-9 else 1
         grid = np.linspace(low, high, n) if n > 1 else np.array([v.mean()])
-        gains = np.stack([lqr_gain(speed, 0.0, self.weights) for speed in grid])
-        step = (high - low) / (n - 1) if n > 1 else 1.0
-        self.gains = gains
-        self.vector = np.concatenate([[n, grid[0], step], gains.ravel()])
+        return grid, np.stack([lqr_gain(speed, 0.0, self.weights) for speed in grid])
+
+    def start(self, setting: Setting) -> State:
+        """The state before the first step, with the scheduled gains."""
+        state = begin(setting)
+        grid, gains = self.schedule(setting)
+        mine, n = state.gains["lqr"], len(grid)
+        mine["count"], mine["first"], mine["table"][0, :n] = n, grid[0], gains
+        mine["step"] = (float(np.abs(setting.rows["v"]).max()) - grid[0]) / (n - 1) if n > 1 else 1.0
+        return state
+
+    def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
+        """Command (2,) and next state."""
+        return stepped(LQR, state, pose, row)

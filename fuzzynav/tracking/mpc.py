@@ -2,47 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
-import osqp
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.linalg import solve_discrete_are
 
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot import TURTLEBOT2, Robot
-from fuzzynav.tracking.kernels import MPC, _horizon
+from fuzzynav.robot import Robot
+from fuzzynav.tracking import kernels
+from fuzzynav.tracking.law import Setting
 from fuzzynav.tracking.lqr import LEAST_SPEED, Weights, sampled_model
-from fuzzynav.tracking.reference import Reference
-from fuzzynav.tracking.tracker import NO_RATES, Tracker
 
-__all__ = ["Mpc", "MpcParams", "braking", "mpc_cost"]
+__all__ = ["Mpc", "MpcState", "braking", "mpc_cost"]
 
 Indices = NDArray[np.int64]
+OUT_OF_REACH = 100.0  # [m] further than this from the reference the solver's tolerance is wider than the limits
 NAMES = {
     "solved": "solved",
     "solved inaccurate": "solved",
     "primal infeasible": "infeasible",
     "primal infeasible inaccurate": "infeasible",
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class MpcParams:
-    """Weights, horizon and solver of the predictive controller; the thesis prints none, these are ours.
-
-    Raises ValueError unless the horizon is at least 1 step and the tolerance positive.
-    """
-
-    weights: Weights = field(default_factory=Weights)
-    horizon: int = 15  # steps
-    tolerance: float = 1e-4
-    iterations: int = 2000
-
-    def __post_init__(self) -> None:
-        if self.horizon < 1 or self.iterations < 1 or not self.tolerance > 0:
-            raise ValueError(f"horizon and iterations must be at least 1 and tolerance positive, got {self}")
 
 
 def mpc_cost(errors: ArrayLike, changes: ArrayLike, weights: Weights) -> float:
@@ -57,6 +40,7 @@ def mpc_cost(errors: ArrayLike, changes: ArrayLike, weights: Weights) -> float:
 def braking(last: ArrayLike, robot: Robot, dt: float) -> Array:
     """The command `(2,)` that slows down as quickly as the limits allow after `last`.
 
+    >>> from fuzzynav.robot import TURTLEBOT2
     >>> braking([0.5, 0.2], TURTLEBOT2, 0.1).round(3).tolist()
     [0.25, 0.0]
     """
@@ -65,74 +49,66 @@ def braking(last: ArrayLike, robot: Robot, dt: float) -> Array:
     return np.array([slower, np.sign(omega) * max(abs(omega) - robot.acc_lim_theta * dt, 0.0)])
 
 
-class Mpc(Tracker):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Mpc:
     """Linear time-varying MPC about the reference, with limits on v, omega and both accelerations.
 
-    The state is the last command, a flag that there was one, and the last answer (the warm start). `outcome` is
-    'solved', 'infeasible' or 'not converged' after each call; in the last two cases the command brakes.
+    After each step the state's `outcome` is 'solved', 'infeasible', 'not converged' or 'out of reach'; in the last
+    three cases the command brakes. The thesis prints no values, these are ours. Raises ValueError unless the horizon
+    is at least 1 step and the tolerance positive.
     """
 
-    kind = MPC
+    weights: Weights = field(default_factory=Weights)
+    horizon: int = 15  # steps
+    tolerance: float = 1e-4
+    iterations: int = 2000
 
-    def __init__(
-        self, reference: Reference, params: MpcParams | None = None, robot: Robot = TURTLEBOT2, dt: float = 0.1
-    ) -> None:
-        self.params = params or MpcParams()
-        self.outcome = "solved"
-        super().__init__(reference, np.zeros(1), robot, dt)
-        held = np.repeat(self.rows[-1:], self.params.horizon, axis=0)
-        held[:, [2, 3, 4, 5, 7, 8]] = 0.0  # beyond its end the reference stands still
-        self._ahead = np.concatenate([self.rows, held])
-        self._problem = _Problem(self.params, robot, dt, self._terminal())
+    def __post_init__(self) -> None:
+        if self.horizon < 1 or self.iterations < 1 or not self.tolerance > 0:
+            raise ValueError(f"horizon and iterations must be at least 1 and tolerance positive, got {self}")
 
-    def start(self) -> Array:
+    def start(self, setting: Setting) -> MpcState:
         """The state before the first step: no last command, no answer to start from."""
-        return np.zeros(3 + 12 * self.params.horizon)
+        problem = _Problem(self, setting.robot, setting.dt, self.terminal(setting))
+        return MpcState(problem, None, np.zeros(5 * self.horizon), np.zeros(7 * self.horizon))
 
-    def reset(self) -> None:
-        """Forget the run before."""
-        super().reset()
-        self.outcome = "solved"
+    def terminal(self, setting: Setting) -> Array:
+        """Cost to go (3, 3) after the horizon: that of the LQR at the mean speed, Q where that is at rest."""
+        v = float(setting.rows["v"].mean())
+        if abs(v) < LEAST_SPEED:
+            return self.weights.q
+        a, b = sampled_model(v, 0.0, setting.dt)
+        return np.asarray(solve_discrete_are(a, b, self.weights.q, self.weights.r))
+
+    def command(self, state: MpcState, pose: ArrayLike, row: Any) -> tuple[Array, MpcState]:
+        """Command (2,) and next state; `row` `(N,)` is the reference over the horizon, the first of it now."""
+        p, now = np.asarray(pose, dtype=float), row[0]
+        c, s = np.cos(now.theta), np.sin(now.theta)
+        dx, dy = p[0] - now.x, p[1] - now.y
+        error = np.array([c * dx + s * dy, -s * dx + c * dy, float(wrap(p[2] - now.theta))])
+        wanted = np.stack([row["v"], row["omega"]], axis=-1)
+        last = wanted[0] if state.last is None else state.last
+        x, y, outcome = state.problem.solve(error, last, wanted, state)
+        command = state.problem.brake(last)
+        if outcome == "solved":
+            command = wanted[0] + x[3 * self.horizon : 3 * self.horizon + 2]
+        return command, replace(state, last=command, x=x, y=y, outcome=outcome)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MpcState:
+    """The last command (2,), None before the first, and the last answer: errors and changes x, multipliers y."""
+
+    problem: _Problem
+    last: Array | None
+    x: Array  # (5 N,)
+    y: Array  # (7 N,)
+    outcome: str = "solved"
 
     @property
     def evidence(self) -> dict[str, float]:
         """Whether the last program was solved, 1 or 0, for the record of a run."""
         return {"mpc_solved": float(self.outcome == "solved")}
-
-    def _terminal(self) -> Array:
-        """Cost to go (3, 3) after the horizon: that of the LQR at the mean speed, Q where that is at rest."""
-        w, v = self.params.weights, float(self.rows[:, 7].mean())
-        if abs(v) < LEAST_SPEED:
-            return w.q
-        a, b = sampled_model(v, 0.0, self.dt)
-        return np.asarray(solve_discrete_are(a, b, w.q, w.r))
-
-    def row(self, t: float) -> Array:
-        """The reference over the horizon from time t [s]: `(N, 9)`, rows as the other laws read them."""
-        k, n = round(t / self.dt), self.params.horizon
-        if 0 <= k <= self.steps and abs(t - k * self.dt) < 1e-9:
-            return self._ahead[k : k + n]
-        times = t + np.arange(n) * self.dt
-        rows = self.reference.rows(times)
-        rows[times > self.reference.duration] *= np.array([1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0])
-        return rows
-
-    def step(self, state: Array, pose: ArrayLike, row: Array, rates: Array = NO_RATES) -> tuple[Array, Array]:
-        """Command (2,) and next state; `row` (N, 9) is the reference over the horizon."""
-        n, p, now = self.params.horizon, np.asarray(pose, dtype=float), row[0]
-        c, s = np.cos(now[6]), np.sin(now[6])
-        dx, dy = p[0] - now[0], p[1] - now[1]
-        error = np.array([c * dx + s * dy, -s * dx + c * dy, float(wrap(p[2] - now[6]))])
-        last = state[:2] if state[2] else now[7:9]
-        self._problem.pose(error, last, row[:, 7:9])
-        x, y, self.outcome = self._problem.solve(state[3 : 3 + 5 * n], state[3 + 5 * n :])
-        after = np.zeros_like(state)
-        command = braking(last, self.robot, self.dt)
-        if self.outcome == "solved":
-            command = now[7:9] + x[3 * n : 3 * n + 2]
-            after[3:] = np.concatenate([x, y])
-        after[:2], after[2] = command, 1.0
-        return command, after
 
 
 class _Problem:
@@ -142,8 +118,8 @@ class _Problem:
     from step to step, never the pattern. The last answer is taken over one step later, its last part twice.
     """
 
-    def __init__(self, params: MpcParams, robot: Robot, dt: float, terminal: Array) -> None:
-        self.n, self.dt = params.horizon, dt
+    def __init__(self, params: Mpc, robot: Robot, dt: float, terminal: Array) -> None:
+        self.n, self.robot, self.dt, self.terminal = params.horizon, robot, dt, terminal
         n, w = self.n, params.weights
         self.bounds = np.array(
             [
@@ -156,6 +132,8 @@ class _Problem:
         self.numbers, self.low, self.high = np.empty(15 * n), np.zeros(7 * n), np.zeros(7 * n)
         blocks = [w.q] * (n - 1) + [terminal] + [w.r] * n
         cost = sparse.triu(sparse.block_diag(blocks, format="csc"), format="csc")
+        import osqp  # here: only this law needs the solver
+
         self.solver = osqp.OSQP()
         wide = np.full(7 * n, 1e3)
         # fixed rho, no scaling: the answer then depends on the numbers alone, not on the clock or on earlier problems
@@ -176,19 +154,25 @@ class _Problem:
             scaling=0,
         )
 
-    def pose(self, error: Array, last: Array, wanted: Array) -> None:
-        """Set the error now (3,), the last command (2,) and the reference's speeds (N, 2)."""
-        speeds = np.ascontiguousarray(wanted)
-        _horizon(error, np.ascontiguousarray(last), speeds, self.dt, self.bounds, self.numbers, self.low, self.high)
+    def brake(self, last: Array) -> Array:
+        """The command (2,) where there is no answer."""
+        return braking(last, self.robot, self.dt)
+
+    def solve(self, error: Array, last: Array, wanted: Array, before: MpcState) -> tuple[Array, Array, str]:
+        """Answer, multipliers and outcome for the error now (3,), the last command (2,) and the speeds (N, 2).
+
+        Starts from the answer before; zeros where there is none.
+        """
+        none = np.zeros_like(before.x), np.zeros_like(before.y)
+        if not np.hypot(error[0], error[1]) < OUT_OF_REACH:
+            return *none, "out of reach"
+        kernels.horizon(error, last, wanted, self.dt, self.bounds, self.numbers, self.low, self.high)
         self.matrix.data[self.places] = self.numbers[self.sources]
         self.solver.update(Ax=self.matrix.data, l=self.low, u=self.high)
-
-    def solve(self, x: Array, y: Array) -> tuple[Array, Array, str]:
-        """Answer, multipliers and status, starting from the last answer (all zero: from nothing)."""
-        self.solver.warm_start(x=self._later(x, (3, 2)), y=self._later(y, (3, 2, 2)))
+        self.solver.warm_start(x=self._later(before.x, (3, 2)), y=self._later(before.y, (3, 2, 2)))
         answer = self.solver.solve(raise_error=False)
         name = NAMES.get(answer.info.status, "not converged")
-        return np.asarray(answer.x), np.asarray(answer.y), name
+        return (np.asarray(answer.x), np.asarray(answer.y), name) if name == "solved" else (*none, name)
 
     def _later(self, vector: Array, widths: tuple[int, ...]) -> Array:
         parts, start = [], 0

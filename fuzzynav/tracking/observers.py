@@ -6,13 +6,15 @@ the model between two of them is the double integrator of eq 2.18, pushed by the
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from filterpy.kalman import KalmanFilter
 from scipy.signal import place_poles
 
 from fuzzynav.geometry import Array
+
+if TYPE_CHECKING:
+    from filterpy.kalman import KalmanFilter
 
 __all__ = ["Differences", "Kalman", "Luenberger", "Observer", "luenberger_gain"]
 
@@ -139,6 +141,8 @@ class Kalman:
         self._push = acceleration
 
     def _new(self, position: Array, velocity: Array) -> KalmanFilter:
+        from filterpy.kalman import KalmanFilter  # here: it loads all of scipy.stats, which no other law needs
+
         kalman = KalmanFilter(dim_x=4, dim_z=2, dim_u=2)
         both = np.eye(2)
         kalman.F, kalman.B = np.kron(both, self.transition), np.kron(both, self.input[:, None])

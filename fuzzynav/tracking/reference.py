@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import make_interp_spline, make_splrep
 
+from fuzzynav.checks import positive
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.tracking.curves import CircleCurve, Curve, LineCurve, SpeedProfile, SplineCurve, chain, positive
+from fuzzynav.tracking.curves import CircleCurve, Curve, LineCurve, SpeedProfile, SplineCurve, chain
+from fuzzynav.tracking.records import ROW, Records
 
 __all__ = [
     "Along",
@@ -36,8 +38,8 @@ __all__ = [
     "spline",
 ]
 
+LONGEST = 1e5  # [s] over which a length is summed at most: a day
 REST = 1e-9  # [m/s] a slower reference has no direction of travel
-COLUMNS = ("x", "y", "dx", "dy", "ddx", "ddy", "theta", "v", "omega")
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,19 +151,34 @@ class Reference(ABC):
         theta, v, omega = self.motion(times, flat)
         return Sample(times, flat[..., 0, :], flat[..., 1, :], flat[..., 2, :], flat[..., 3, :], theta, v, omega)
 
-    def rows(self, t: ArrayLike) -> Array:
-        """The reference at times `(n,)` as rows x, y, dx, dy, ddx, ddy, theta, v, omega for the kernels."""
+    def rows(self, t: ArrayLike) -> Records:
+        """The reference at times `(n,)` as records with x, y, dx, dy, ddx, ddy, theta, v and omega.
+
+        >>> float(line((0.0, 0.0), 0.0, 0.3, 10.0).rows([2.0])[0].x)
+        0.6
+        """
         s = self.sample(t)
-        pair = np.concatenate([s.position, s.velocity, s.acceleration], axis=-1)
-        return np.concatenate([pair, np.stack([s.theta, s.v, s.omega], axis=-1)], axis=-1)
+        made = np.empty(len(s.t), ROW)
+        for (first, second), pair in (
+            (("x", "y"), s.position),
+            (("dx", "dy"), s.velocity),
+            (("ddx", "ddy"), s.acceleration),
+        ):
+            made[first], made[second] = pair[..., 0], pair[..., 1]
+        made["theta"], made["v"], made["omega"] = s.theta, s.v, s.omega
+        return made
 
     def length(self, until: float | None = None) -> float:
         """Arc length [m] from time 0 to `until` [s] (the end if None), by Gauss-Legendre quadrature.
+
+        Raises ValueError for an end before 0 or after 1e5 s.
 
         >>> round(FigureEight().length(), 4)
         18.934
         """
         end = self.duration if until is None else until
+        if not 0.0 <= end <= LONGEST:
+            raise ValueError(f"a length is summed from 0 s to at most {LONGEST:g} s, not to {end:g} s")
         nodes, weights = np.polynomial.legendre.leggauss(8)
         edges = np.linspace(0.0, end, max(int(np.ceil(end / 0.25)), 1) + 1)
         half = np.diff(edges)[:, None] / 2.0
@@ -183,7 +200,7 @@ class Moved(Reference):
     def flat(self, t: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)` of the moved trajectory."""
         c, s = np.cos(self.pose[2]), np.sin(self.pose[2])
-        turned = self.inner.flat(t) @ np.array([[c, s], [-s, c]])
+        turned = np.asarray(self.inner.flat(t) @ np.array([[c, s], [-s, c]]))
         turned[..., 0, :] += self.pose[:2]
         return turned
 
@@ -204,14 +221,14 @@ class FigureEight(Reference):
     duration: float = 126.0  # [s]
 
     def __post_init__(self) -> None:
-        positive({"amplitude": self.amplitude, "duration": self.duration})
+        positive(amplitude=self.amplitude, duration=self.duration)
 
     def flat(self, t: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)`."""
         rates = np.array([0.1, 0.05])
         angle = np.asarray(t, dtype=float)[..., None] * rates
         s, c = np.sin(angle), np.cos(angle)
-        return self.amplitude * np.stack([s, rates * c, -(rates**2) * s, -(rates**3) * c], axis=-2)
+        return np.asarray(self.amplitude * np.stack([s, rates * c, -(rates**2) * s, -(rates**3) * c], axis=-2))
 
 
 class Along(Reference):

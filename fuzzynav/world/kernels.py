@@ -318,18 +318,17 @@ def advance(
 
 
 def _warm() -> None:
-    """Compile every kernel with the types that a World hands over."""
-    from fuzzynav.maps.gridmap import GridMap
-    from fuzzynav.world.movers import Mover
-    from fuzzynav.world.traffic import movers_start, movers_step
-    from fuzzynav.world.world import World
-
-    world = World(
-        grid=GridMap(np.zeros((3, 3), dtype=np.bool_), 1.0),
-        discs=np.array([[1.0, 1.0, 0.2]]),
-        movers=(Mover.patrol([[0.5, 0.5], [2.0, 0.5]], 0.5, 0.1),),
-    )
-    world.clearance([0.5, 0.5])
-    world.cast([0.5, 0.5, 0.0], [0.0], 5.0)
-    world.known_grid()
-    movers_step(movers_start(world), 0.1, None, np.random.default_rng(0))
+    """Compile every kernel with the types that a World hands over: all arrays of a scene are read-only."""
+    discs, rectangles = np.array([[1.0, 1.0, 0.2]]), np.array([[2.0, 2.0, 0.2, 0.2, 0.1]])
+    ground = np.array([(1.0, 0.0, 0.0, 0.0, 3.0, 0.0, 3.0)], dtype=GROUND)
+    mask, field = np.zeros((3, 3), dtype=np.bool_), np.full((3, 3), 5.0)
+    scene = Scene(mask, field, field.astype(np.uint8), ground, discs, rectangles)
+    for array in scene:
+        array.flags.writeable = False
+    movers, zero = np.array([[1.0, 1.0, 0.2]]), np.zeros((1, 2))
+    clearance(scene, movers, zero + 0.5)
+    scan(scene, movers, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
+    raster(scene, discs, rectangles, 1.0, 0.0, 0.0, np.zeros((3, 3), dtype=np.bool_))
+    one, count = np.ones(1), np.ones(1, dtype=np.int64)
+    fleet = Fleet(count, one, zero, one, np.array([[[0.0, 0.0], [1.0, 0.0]]]), count + 1, one)
+    advance(fleet, zero, zero, np.zeros(1), 0.1, np.zeros(2))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.geometry import Array
-from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.maps.gridmap import GridMap, cells_across
 from fuzzynav.world import kernels
 from fuzzynav.world.movers import Mover
 
@@ -129,7 +129,8 @@ class World:
         """Map that a planner is given: grid, discs and rectangles without the unknown ones and the movers.
 
         A cell is occupied as soon as a shape overlaps its square. resolution [m] is by default that of the grid; the
-        map covers the bounds, its last row and column may reach beyond them. Raises ValueError without bounds.
+        map covers the bounds, its last row and column may reach beyond them. Raises ValueError without bounds, or for
+        over 25 million cells.
         """
         if self.bounds is None:
             raise ValueError("a map needs an end: give the world bounds or a grid")
@@ -137,8 +138,7 @@ class World:
         if step is None or not (np.isfinite(step) and step > 0):
             raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
         xmin, xmax, ymin, ymax = self.bounds
-        size = [max(int(np.ceil((high - low) / step - 1e-9)), 1) for low, high in ((xmin, xmax), (ymin, ymax))]
-        target = np.zeros((size[1], size[0]), dtype=np.bool_)
+        target = np.zeros(cells_across(ymax - ymin, xmax - xmin, step), dtype=np.bool_)
         kernels.raster(self.scene, self.discs, self.rectangles, step, xmin, ymin, target)
         return GridMap(target, step, (xmin, ymin))
 
@@ -155,7 +155,7 @@ def _shapes(values: ArrayLike, name: str, width: int) -> Array:
     """Rows of `width` finite numbers with positive sizes, or a ValueError that names the field."""
     array = np.array(values, dtype=float)
     if array.size == 0:
-        return np.zeros((0, width))
+        return np.asarray(_locked(np.zeros((0, width))))
     if array.ndim != 2 or array.shape[1] != width:
         raise ValueError(f"{name} must have rows of {width} numbers, got shape {array.shape}")
     sizes = array[:, 2:3] if width == 3 else array[:, 2:4]

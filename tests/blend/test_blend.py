@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzynav import blend, simulate, tracking
-from fuzzynav.blend import controllers, points
-from fuzzynav.blend import kernels as avoidance
+from fuzzynav.blend import controllers, kernels, points, rules
 from fuzzynav.control import Observation
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.robot import TURTLEBOT2, respects_limits
+from fuzzynav.simulate import Run
 from fuzzynav.studies.blend.blocks import block_of
 from fuzzynav.tracking.reference import FigureEight
 from fuzzynav.tracking.tracker import seen
@@ -35,23 +35,23 @@ def test_the_turn_leads_away_from_the_block(bearing: float) -> None:
 
 @given(finite, finite, finite, finite, st.floats(0.0, 1.0))
 def test_the_blend_lies_between_its_commands(a: float, b: float, c: float, d: float, f: float) -> None:
-    mixed = blend.blend([a, b], [c, d], f)
+    mixed = blend.mixed([a, b], [c, d], f)
     assert (mixed >= np.minimum([a, b], [c, d]) - 1e-12).all()
     assert (mixed <= np.maximum([a, b], [c, d]) + 1e-12).all()
 
 
 def test_blend_ends_and_arrays() -> None:
     track, avoid = np.array([0.2, -0.3]), np.array([0.0, 1.0])
-    mixed = blend.blend(track, avoid, [0.0, 1.0])
+    mixed = blend.mixed(track, avoid, [0.0, 1.0])
     np.testing.assert_allclose(mixed, [track, avoid])
     np.testing.assert_allclose(blend.hybrid(track, avoid, blend.safety_switch([0.6, 0.7], 0.7)), [avoid, track])
-    assert blend.blend([0.2, 0.0], [0.0, 1.0], 0.5)[0] == pytest.approx(0.1), "T59: v_a = 0 halves the speed"
+    assert blend.mixed([0.2, 0.0], [0.0, 1.0], 0.5)[0] == pytest.approx(0.1), "T59: v_a = 0 halves the speed"
 
 
 @pytest.mark.parametrize("weight", [-0.1, 1.1, np.nan])
 def test_a_weight_outside_0_to_1_is_refused(weight: float) -> None:
     with pytest.raises(ValueError, match="0 to 1"):
-        blend.blend([0, 0], [0, 0], weight)
+        blend.mixed([0, 0], [0, 0], weight)
     with pytest.raises(ValueError, match="0 or 1"):
         blend.hybrid([0, 0], [0, 0], 0.5)
 
@@ -63,7 +63,6 @@ def test_f_has_a_floor_and_a_ceiling() -> None:
     low, high = blend.reach_of(blend.table_5_1())
     assert low == pytest.approx(1 / 6, abs=1e-3)
     assert high == pytest.approx(5 / 6, abs=1e-3)
-    np.testing.assert_allclose(blend.rescaled([low, high]), [0.0, 1.0])
 
 
 def test_f_is_symmetric_and_falls_with_distance() -> None:
@@ -83,8 +82,8 @@ def test_the_default_breakpoints_are_those_of_the_file() -> None:
 def test_the_compiled_weight_is_that_of_the_rule_base() -> None:
     system = blend.rule_base(0.4, 1.2, 0.8, 0.4)
     points = np.random.default_rng(1).uniform([0, -3.5], [2.5, 3.5], (100, 2))
-    tables = controllers._tables(system)
-    ours = [avoidance._weight(tables, d, b) for d, b in points]
+    tables = controllers.weight_tables(system)
+    ours = [kernels.weight(tables, d, b) for d, b in points]
     np.testing.assert_allclose(ours, system(*points.T)[0], atol=1e-12)
 
 
@@ -97,7 +96,7 @@ def test_nearest_point_of_a_block_is_the_worlds_clearance() -> None:
         block = np.array([*rng.uniform(-1, 1, 2), 0.2, 0.3, rng.uniform(0, 3)])
         world, out = World(rectangles=[block]), np.empty(4)
         for point in rng.uniform(-2, 2, (20, 2)):
-            gap = points._nearest_on(block, *point, out)
+            gap = points.nearest_on(block, *point, out)
             assert gap == pytest.approx(float(world.clearance(point)), abs=1e-12)
             if gap > 0:
                 assert np.hypot(*(out[:2] - point)) == pytest.approx(gap, abs=1e-12)
@@ -105,13 +104,13 @@ def test_nearest_point_of_a_block_is_the_worlds_clearance() -> None:
 
 def test_points_are_remembered_until_a_beam_passes_through() -> None:
     memory, pose = np.empty((points.MEMORY, 4)), np.zeros(3)
-    scan = points._sight(np.array([1.0, 0.0, 0.2, 0.3, 0.0]), pose, controllers.BEAMS, 2.0)
-    n = points._remember(memory, 0, scan, pose, 2.0, False)
+    scan = points.sight(np.array([1.0, 0.0, 0.2, 0.3, 0.0]), pose, blend.BEAMS, 2.0)
+    n = points.remember(memory, 0, scan, pose, 2.0, False)
     assert n > 5
-    assert points._remember(memory, n, scan, pose, 2.0, False) == n, "seen twice is known once"
+    assert points.remember(memory, n, scan, pose, 2.0, False) == n, "seen twice is known once"
     away = np.array([3.5, 0.0, 0.0])
-    assert points._remember(memory, n, scan[:0], away, 2.0, False) == n, "out of range nothing is disproved"
-    assert points._remember(memory, n, scan[:0], pose, 2.0, False) == 0
+    assert points.remember(memory, n, scan[:0], away, 2.0, False) == n, "out of range nothing is disproved"
+    assert points.remember(memory, n, scan[:0], pose, 2.0, False) == 0
 
 
 # --- the printed scheme
@@ -143,26 +142,26 @@ def test_the_printed_controller_runs_in_the_loop_of_the_course() -> None:
 
 
 @pytest.fixture(scope="module")
-def safe_runs() -> list[blend.FuzzyRun]:
+def safe_runs() -> list[Run]:
     return [blend.drive(blend.SafeScheme(), block_of(seed), laps=2.0) for seed in range(300_000, 300_012)]
 
 
-def test_the_safe_blend_touches_nothing_and_comes_back(safe_runs: list[blend.FuzzyRun]) -> None:
+def test_the_safe_blend_touches_nothing_and_comes_back(safe_runs: list[Run]) -> None:
     for run in safe_runs:
         assert run.status == "done"
         assert run.min_clearance > 0.05
-        late = run.distance[run.t[:-1] >= run.last_avoidance + 10.0]
+        late = run.distance[run.t >= blend.last_avoidance(run) + 10.0]
         assert np.sqrt((late**2).mean()) < 0.05
 
 
-def test_the_safe_blend_keeps_limits_and_the_order_of_time(safe_runs: list[blend.FuzzyRun]) -> None:
+def test_the_safe_blend_keeps_limits_and_the_order_of_time(safe_runs: list[Run]) -> None:
     for run in safe_runs:
         assert respects_limits(run.commands, 0.1, TURTLEBOT2)
         assert (run.commands[:, 0] >= 0).all()
-        steps = np.diff(run.index)
+        steps, weight = np.diff(run.log["index"]), run.log["weight"]
         assert steps.min() >= 0
         assert steps.max() <= blend.SafeScheme().rate + 1, "the step of the hand-back adds its own"
-        assert ((run.weight >= 0) & (run.weight <= 1)).all()
+        assert ((weight >= 0) & (weight <= 1)).all()
 
 
 def test_the_same_run_twice_bit_for_bit() -> None:
@@ -172,9 +171,9 @@ def test_the_same_run_twice_bit_for_bit() -> None:
 
 def test_without_a_block_the_safe_blend_is_feedback_linearization() -> None:
     alone = blend.drive(blend.SafeScheme(), [40.0, 0.0, 0.2, 0.3, 0.0], reference=HALF)
-    dfl = tracking.follow(tracking.Dfl(HALF))
+    dfl = tracking.follow(tracking.Tracker(HALF, tracking.Dfl()))
     np.testing.assert_allclose(alone.poses, dfl.poses[: len(alone.poses)], atol=1e-9)
-    assert alone.last_avoidance == 0.0
+    assert blend.last_avoidance(alone) == 0.0
 
 
 def test_a_moved_scene_gives_the_moved_run() -> None:
@@ -184,7 +183,7 @@ def test_a_moved_scene_gives_the_moved_run() -> None:
     here = blend.drive(blend.SafeScheme(), TOP, reference=HALF)
     there = blend.drive(blend.SafeScheme(), moved, reference=HALF.moved(pose))
     assert there.min_clearance == pytest.approx(here.min_clearance, abs=1e-3)
-    assert there.delay == pytest.approx(here.delay, abs=0.2)
+    assert blend.delay(there) == pytest.approx(blend.delay(here), abs=0.2)
 
 
 def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() -> None:
@@ -204,22 +203,86 @@ def test_the_safe_controller_drives_the_same_path_in_the_loop_of_the_course() ->
         np.testing.assert_allclose(looped.poses[:n], direct.poses[:n], atol=1e-6)
 
 
-def test_every_choice_changes_something() -> None:
-    blocks = [TOP, block_of(300_000), block_of(300_003)]
-    base = [blend.drive(blend.SafeScheme(), b).poses for b in blocks]
-    for field in fields(blend.SafeScheme):
-        value = getattr(blend.SafeScheme(), field.name)
-        for new in [True] if field.name == "moving" else [1.6 * value, 0.4 * value, 8 * value]:
-            try:
-                scheme = replace(blend.SafeScheme(), **{field.name: type(value)(new)})
-            except ValueError:
-                continue
-            runs = [blend.drive(scheme, b).poses for b in blocks]
-            if any(len(a) != len(b) or np.abs(a - b).max() > 1e-9 for a, b in zip(base, runs, strict=True)):
-                break
-        else:
-            pytest.fail(f"{field.name} has no effect")
-    assert len(base) == 3
+RARE = ("same_side", "guard_turn")  # they act in a few scenes alone, and have tests of their own
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(blend.SafeScheme) if f.name not in RARE])
+def test_every_choice_changes_something(name: str) -> None:
+    blocks = [TOP, block_of(300_000), block_of(300_003), block_of(300_008)]
+    scheme = blend.SafeScheme(moving=name.startswith("evade"))
+    base, value = [blend.drive(scheme, b).poses for b in blocks], getattr(scheme, name)
+    for new in [True] if name == "moving" else [1.6 * value, 0.4 * value, 8 * value, 0.05 * value]:
+        try:
+            other = replace(scheme, **{name: type(value)(new)})
+        except ValueError:
+            continue
+        runs = [blend.drive(other, b).poses for b in blocks]
+        moved = any(len(a) != len(b) or np.abs(a - b).max() > 1e-9 for a, b in zip(base, runs, strict=True))
+        if moved:
+            break
+    assert moved, f"{name} has no effect"
+
+
+# --- one step
+
+
+def ahead_of(pose: list[float], distance: float, speed: float = 0.0) -> np.ndarray:
+    """A few points across the way of a robot that looks along x, coming nearer at `speed`."""
+    return np.array([[pose[0] + distance, pose[1] + y, -speed, 0.0] for y in (-0.02, 0.0, 0.02)])
+
+
+def guarded(scheme: blend.SafeScheme, points: np.ndarray, v: float, away: float = 0.5) -> tuple[float, float, bool]:
+    memory = tracking.Tracker(HALF, tracking.Dfl()).start().memory
+    record = scheme.record(blend.table_5_1(), TURTLEBOT2.radius)
+    return kernels.guard(record[0], memory[0], points, np.zeros(3), v, 0.0, away)
+
+
+def test_the_guard_brakes_before_the_margin_and_turns_to_free_ground() -> None:
+    scheme = blend.SafeScheme()
+    need = TURTLEBOT2.radius + scheme.guard
+    reach = 0.6**2 / TURTLEBOT2.dec_lim_x + 2.0 * 0.1 * 0.6  # what the held command drives while it looks
+    assert guarded(scheme, ahead_of([0, 0], need + reach - 0.01), 0.6) == (0.0, pytest.approx(2.0 * 0.5), True)
+    assert guarded(scheme, ahead_of([0, 0], need + reach + 0.01), 0.6) == (0.6, 0.0, False)
+    assert guarded(scheme, ahead_of([0, 0], need - 0.1), -0.2)[2] is False, "away from what is near already"
+    assert guarded(replace(scheme, guard_turn=1.0), ahead_of([0, 0], need), 0.6)[1] == pytest.approx(0.5)
+
+
+def test_the_guard_evades_what_moves_and_leaves_what_it_clears() -> None:
+    scheme = blend.SafeScheme(moving=True)
+    v, _, changed = guarded(scheme, ahead_of([0, 0], 0.8, speed=0.3), 0.2)
+    assert changed
+    assert v < 0
+    assert guarded(scheme, ahead_of([0, 0], 3.0, speed=0.3), 0.2) == (0.2, 0.0, False)
+
+
+def test_a_block_straight_ahead_turns_the_printed_robot_to_the_left() -> None:
+    law = blend.PrintedBlend(HALF)
+    pose = HALF.sample(0.0).pose
+    for bearing, sign in ((0.0, 1.0), (-0.2, 1.0), (0.2, -1.0)):
+        at = pose[:2] + 0.3 * np.array([np.cos(pose[2] + bearing), np.sin(pose[2] + bearing)])
+        law.reset()
+        base = law(seen(0.0, pose, np.zeros(2)))
+        law.reset()
+        given = Observation(time=0.0, pose=pose, velocity=np.zeros(2), goal=np.zeros(2), points=at[None])
+        command = law(given)
+        f = law.evidence["F"]
+        assert command[1] == pytest.approx((1.0 - f) * base[1] + f * sign, abs=1e-12), bearing
+        assert f > 0.5
+
+
+@pytest.mark.parametrize("same_side", [3.0, 6.0])
+def test_a_detour_that_begins_soon_after_the_last_keeps_its_side(same_side: float) -> None:
+    pose = HALF.sample(0.0).pose
+    across = np.array([-np.sin(pose[2]), np.cos(pose[2])])
+    at = pose[:2] + 0.5 * np.array([np.cos(pose[2]), np.sin(pose[2])]) - 0.1 * across  # on the right: pass it left
+    sides = []
+    for released in (-1.0, -same_side + 0.1, -same_side - 0.1):
+        law = blend.SafeBlend(HALF, blend.SafeScheme(same_side=same_side))
+        law.mind.side, law.mind.released = -1.0, released
+        law(Observation(time=0.0, pose=pose, velocity=np.zeros(2), goal=np.zeros(2), points=at[None]))
+        assert law.mind.latched
+        sides.append(float(law.mind.side))
+    assert sides == [-1.0, -1.0, 1.0]
 
 
 # --- moving points
@@ -269,9 +332,7 @@ def test_bad_scenes_are_refused() -> None:
     with pytest.raises(ValueError, match="positive sizes"):
         blend.drive(blend.SafeScheme(), [1.0, 0.0, 0.0, 0.3, 0.0])
     with pytest.raises(ValueError, match="two inputs"):
-        blend.drive(
-            blend.SafeScheme(), TOP, system=FuzzySystem.load(controllers.TABLE.with_name("thesis_table_3_2.fll"))
-        )
+        blend.drive(blend.SafeScheme(), TOP, system=FuzzySystem.load(rules.TABLE.with_name("thesis_table_3_2.fll")))
     with pytest.raises(ValueError, match="close < far"):
         blend.rule_base(close=1.0, far=0.5)
     with pytest.raises(ValueError, match="dt must be positive"):

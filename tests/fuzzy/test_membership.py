@@ -1,12 +1,13 @@
 """Membership functions, operators and hedges: known answers, properties, and two independent programs."""
 
 import math
+from fractions import Fraction
 
 import fuzzylite as fl
 import numpy as np
 import pytest
 import skfuzzy
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
@@ -256,6 +257,7 @@ THEIR_HEDGES = dict(zip(HEDGES, (fl.Not, fl.Very, fl.Somewhat, fl.Extremely, fl.
 
 @settings(deadline=None, max_examples=300)
 @given(degree, degree)
+@example(1.0, 0.9999999999999999)
 def test_operators_equal_fuzzylite_and_their_compiled_twins(a, b) -> None:
     with np.errstate(all="ignore"):
         for name, other in THEIR_NORMS.items():
@@ -266,7 +268,10 @@ def test_operators_equal_fuzzylite_and_their_compiled_twins(a, b) -> None:
         for name, other in THEIR_CONORMS.items():
             ours = float(disjunction(a, b, name))
             assert_allclose(conorm(CONORMS[name].code, a, b), ours, atol=1e-12)
-            if not (name == "hamacher sum" and a * b == 1.0) and name != "nilpotent maximum":
+            if name == "hamacher sum" and a * b < 1.0:  # theirs loses every digit where a and b are near 1
+                p, q = Fraction(a), Fraction(b)
+                assert_allclose(ours, float((p + q - 2 * p * q) / (1 - p * q)), atol=1e-12)
+            elif name not in ("hamacher sum", "nilpotent maximum"):
                 assert_allclose(ours, other().compute(a, b), atol=1e-12)
         for name, other in THEIR_HEDGES.items():
             assert_allclose(hedged(HEDGES[name].code, a), float(hedge(name, a)), atol=1e-12)

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.testing import assert_allclose
+from numba import njit
+from numpy.testing import assert_allclose, assert_array_equal
 
 from fuzzynav.fuzzy import And, FuzzySystem, Or, Proposition, Rule, RuleBlock, Term, Variable, sets
+from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.fuzzy.operators import HEDGES
 
 
@@ -317,3 +319,107 @@ def test_wrong_number_of_inputs_names_them() -> None:
         small(0.5, 0.5, previous=[0.5])
     with pytest.raises(ValueError, match="unknown inference"):
         small.with_inference("max-max")
+
+
+# ---------------------------------------------------------------- other parameters for some terms
+
+
+def test_with_terms_moves_what_it_names_and_keeps_the_rest() -> None:
+    table = FuzzySystem.load("data/fuzzy/thesis_table_3_2.fll")
+    moved = table.with_terms({("distObs", "Close"): (0, 0, 5), ("alpha", "Low"): (0, 0, 0.25)})
+    assert moved.inputs[1].term("Close").parameters == (0.0, 0.0, 5.0)
+    assert moved.outputs[0].term("Low").parameters == (0.0, 0.0, 0.25)
+    assert [t for t in moved.inputs[1].terms if t.name != "Close"] == [
+        t for t in table.inputs[1].terms if t.name != "Close"
+    ]
+    assert (moved.inputs[0], moved.inputs[2], moved.outputs[1:]) == (
+        table.inputs[0],
+        table.inputs[2],
+        table.outputs[1:],
+    )
+    assert (moved.name, moved.blocks, moved.source) == (table.name, table.blocks, table.source)
+    assert table.inputs[1].term("Close").parameters != (0.0, 0.0, 5.0)  # the system itself is as it was
+    assert moved(20.0, 6.0, 0.4) != table(20.0, 6.0, 0.4)
+    assert table.with_terms({}) == table
+    back = moved.with_terms(
+        {(v, t): table.inputs[1].term(t).parameters for v, t in [("distObs", "Close")]}
+        | {("alpha", "Low"): table.outputs[0].term("Low").parameters}
+    )
+    assert back == table
+
+
+def test_with_terms_keeps_shape_height_and_order() -> None:
+    terms = (tri("A", 0, 0, 1), Term(name="B", shape="gaussian", parameters=(0.5, 0.1), height=0.5))
+    fis = FuzzySystem(
+        name="s", inputs=(variable("a", terms=terms),), outputs=(variable("y"),),
+        blocks=(RuleBlock(rules=("if a is B then y is Low",)),),
+    )  # fmt: skip
+    (first, second) = fis.with_terms({("a", "B"): (0.25, 0.2)}).inputs[0].terms
+    assert first == terms[0]
+    assert second == Term(name="B", shape="gaussian", parameters=(0.25, 0.2), height=0.5)
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({("distance", "Low"): (0, 0, 1)}, "'small' has no variable 'distance'; known: a, b, y"),
+        ({("a", "Close"): (0, 0, 1)}, "variable 'a' has no term 'Close'; known: Low, Mid, High"),
+        ({("a", "Low"): (0, 0)}, r"variable 'a': term 'Low': triangle needs 3 parameters \(a, b, c\), got 2"),
+        ({("a", "Low"): (1, 0, 2)}, "variable 'a': term 'Low': triangle needs a <= b <= c"),
+        ({("a", "Low"): 3.0}, "variable 'a': term 'Low': parameters must be a list of numbers, got 3.0"),
+        ({"a": (0, 0, 1)}, r"named by \(variable, term\), got 'a'"),
+    ],
+)
+def test_with_terms_names_what_does_not_fit(changed, says) -> None:
+    with pytest.raises(ValueError, match=says):
+        system("if a is Low then y is Low").with_terms(changed)
+
+
+# ---------------------------------------------------------------- a system inside other compiled code
+
+
+@pytest.mark.parametrize("name", ["thesis_table_3_2", "thesis_table_5_1", "fuzzy_planner_table_i", "ours_dwa_tuned"])
+def test_infer_one_answers_as_the_system_does(name) -> None:
+    fis = FuzzySystem.load(f"data/fuzzy/{name}.fll")
+    rng = np.random.default_rng(3)
+    out = np.empty(len(fis.outputs))
+    for _ in range(60):
+        point = np.array([rng.uniform(v.low - 0.1, v.high + 0.1) for v in fis.inputs])
+        strongest = infer_one(fis.tables, point, out)
+        assert_array_equal(out, fis(*point))
+        assert strongest == fis.evaluate(*point).firing.max()
+    assert math.isnan(infer_one(fis.tables, np.full(len(fis.inputs), math.nan), out))
+    assert np.isnan(out).all()
+
+
+def test_infer_one_is_at_home_in_a_kernel_of_another_room() -> None:
+    @njit
+    def sweep(tables, places):
+        found, out = np.empty(places.size), np.empty(1)
+        for k in range(places.size):
+            infer_one(tables, np.array([places[k], 0.5]), out)
+            found[k] = out[0]
+        return found
+
+    fis = system("if a is Low then y is Low", "if a is High and b is Mid then y is High")
+    a = np.linspace(0, 1, 21)
+    assert_allclose(sweep(fis.tables, a), fis(a, 0.5)[0], rtol=1e-12)
+
+
+def test_the_tables_of_a_system_cannot_be_written_to() -> None:
+    tables = system("if a is Low then y is Low").tables
+    for array in tables[1:]:
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+@pytest.mark.parametrize("n", [1, 2, 63, 64, 65, 100, 127, 128, 129])
+def test_every_point_of_a_last_short_block_is_its_own(n) -> None:
+    """Points beyond the last full block of 64 must not be mixed up with those before them."""
+    fis = system("if a is Low and b is Mid then y is Low", "if a is High then y is High")
+    a, b = np.random.default_rng(n).random((2, n))
+    b[-1] = math.nan
+    values, found = fis(a, b)[0], fis.evaluate(a, b)
+    for k in range(n):
+        assert_allclose(values[k], fis(a[k], b[k])[0], rtol=1e-12)  # blocks of 1 and of 64 add in another order
+        assert_array_equal(found.firing[k], fis.evaluate(a[k], b[k]).firing)

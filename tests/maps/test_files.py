@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from PIL import Image
 
-from fuzzynav.maps import files as mapfiles
+from fuzzynav import maps as mapfiles
 from fuzzynav.maps.gridmap import GridMap
 
 relaxed = settings(deadline=None, max_examples=40)

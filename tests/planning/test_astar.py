@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from fuzzynav.maps.files import Scenario
+from fuzzynav.maps import Scenario
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.planning import astar, heuristics
+from fuzzynav.planning import astar, heuristics, kernels, plain
 from fuzzynav.planning.astar import DIJKSTRA, EFFICIENT, ENHANCED, OPTIMAL, QUICK, TRADITIONAL, Options
 
 STEPS = [tuple(step) for step in heuristics.STEPS.tolist()]
@@ -498,3 +498,112 @@ def test_a_length_without_a_path_is_wrong() -> None:
     problem = Scenario(0, "x.map", (3, 3), (0, 0), (2, 2), 4.0)
     ((_, result),) = astar.solve(grid, [problem])
     assert not astar.agrees(result.length, problem.length)
+
+
+def agree_with_the_plain_search(grid: GridMap, start, goal, options: Options) -> astar.SearchResult:
+    result = astar.search(grid, start, goal, options)
+    length, order = plain_search(grid, start, goal, options, options.five_directions)
+    if options.five_directions and options.fallback and math.isnan(length):
+        length, more = plain_search(grid, start, goal, options, False)
+        order = order + more
+    assert [tuple(c) for c in result.expanded.tolist()] == order
+    assert result.length == pytest.approx(length, abs=1e-9, nan_ok=True)
+    return result
+
+
+@pytest.mark.parametrize("options", [*SETTINGS, replace(EFFICIENT, five_directions=False)], ids=str)
+def test_a_search_that_starts_inside_the_map_may_go_back_behind_its_start(options: Options) -> None:
+    options = replace(options, safety_radius=0.0)
+    rng = np.random.default_rng(21)
+    behind = 0
+    for _ in range(6):
+        grid = random_map(rng, 13, 15, 0.2)
+        wall = grid.occupied.copy()
+        wall[3:10, 8] = wall[3, 3:9] = wall[9, 3:9] = True  # a pocket that is open behind the start
+        wall[6, 2:8] = wall[6, 12] = False
+        result = agree_with_the_plain_search(GridMap(wall), (5, 6), (12, 6), options)
+        behind += int((np.abs(result.expanded - (12, 6)).sum(axis=1) > 7).sum())
+    assert behind > 0
+
+
+@pytest.mark.parametrize(
+    "options", [*SETTINGS, replace(EFFICIENT, weight=0.7), replace(ENHANCED, weight_by_distance=True)], ids=str
+)
+def test_the_compiled_heuristic_is_the_public_one_also_behind_the_start(options: Options) -> None:
+    ends, rules = kernels.Ends(5, 4, 9, 7), kernels.Rules(*options.choices(options.five_directions, 0.5))
+    for dx, dy in itertools.product(range(-12, 13, 3), repeat=2):  # |dx| + |dy| to 24, from the start it is 7
+        compiled = kernels.estimate(dx, dy, ends, rules)
+        assert compiled * 1e-12 == pytest.approx(estimate((dx, dy), (4, 3), options, 0.5), rel=1e-12, abs=1e-11)
+
+
+CHOICES = {
+    "heuristic": ("zero", "euclidean", "manhattan", "octile", "chebyshev", "enhanced"),
+    "weight_by_distance": (False, True),
+    "cost": ("accumulated", "straight line"),
+    "neighbours": (4, 8),
+    "corners": ("strict", "permissive"),
+    "five_directions": (False, True),
+    "ties": ("fifo", "lifo", "low h"),
+    "reopen": (False, True),
+}
+
+
+@pytest.mark.parametrize("heuristic", CHOICES["heuristic"])
+def test_every_combination_of_choices_expands_as_a_plain_search(heuristic: str) -> None:
+    rng = np.random.default_rng(31)
+    grids = [random_map(rng, 8, 9, density) for density in (0.15, 0.25, 0.3)]
+    rest = {name: values for name, values in CHOICES.items() if name != "heuristic"}
+    for k, values in enumerate(itertools.product(*rest.values())):
+        options = Options(heuristic=heuristic, **dict(zip(rest, values, strict=True)))
+        grid = grids[k % 3]
+        agree_with_the_plain_search(grid, *corners_of(grid), options)
+
+
+def test_reopened_cells_may_be_expanded_more_often_than_there_are_cells() -> None:
+    options = replace(OPTIMAL, heuristic="manhattan", weight=4.0, weight_by_distance=True, reopen=True)
+    rng = np.random.default_rng(318)
+    rows, cols = rng.integers(10, 31, 2)
+    occupied = rng.random((rows, cols)) < rng.uniform(0.1, 0.45)
+    occupied[0, 0] = occupied[-1, -1] = False
+    grid = GridMap(occupied)
+    result = agree_with_the_plain_search(grid, *corners_of(grid), options)
+    assert result.searched > 2 * (rows + 2) * (cols + 2)
+
+
+def test_a_path_nearer_to_an_obstacle_than_the_safety_radius_is_not_valid() -> None:
+    grid = GridMap.from_ascii(".....\n.....\n..#..\n.....")
+    past = [[0, 0], [1, 0], [2, 0], [3, 0]]
+    assert astar.valid_path(grid, past, OPTIMAL)
+    assert not astar.valid_path(grid, past, replace(OPTIMAL, safety_radius=0.9))
+
+
+def test_a_result_cannot_be_written_to() -> None:
+    result = astar.search(GridMap(np.zeros((3, 3), dtype=bool)), (0, 0), (2, 2))
+    with pytest.raises(ValueError, match="read-only"):
+        result.cells[0] = 1
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_plain_search_for_readers_is_the_traditional_one(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    grid = random_map(rng, *(int(v) for v in rng.integers(4, 16, 2)), density=rng.uniform(0.0, 0.4))
+    start, goal = corners_of(grid)
+    ours, fast = plain.plain_astar(grid, start, goal), astar.search(grid, start, goal, TRADITIONAL)
+    assert list(ours.expanded) == [tuple(cell) for cell in fast.expanded.tolist()]
+    assert bool(ours.path) == (fast.status == "reached")
+    if ours.path:
+        assert astar.path_length(ours.path) == pytest.approx(fast.length, abs=1e-12)
+        assert astar.valid_path(grid, ours.path, TRADITIONAL)
+
+
+def test_the_table_of_the_plain_search_by_hand() -> None:
+    result = plain.plain_astar(GridMap.from_ascii("...\n.#.\n..."), (0, 1), (2, 1))
+    first, second = result.table[:2]
+    assert (first.node, first.g, first.h, first.f) == ((0, 1), 0.0, 2.0, 2.0)
+    assert first.waiting == ((0, 2), (1, 2), (1, 0), (0, 0))
+    assert second.node == (1, 2)
+    assert second.f == pytest.approx(2 * math.sqrt(2))
+    assert result.path == ((0, 1), (1, 2), (2, 1))
+    assert plain.plain_astar(GridMap.from_ascii(".#."), (0, 0), (1, 0)).table == ()
+    with pytest.raises(ValueError, match="goal"):
+        plain.plain_astar(GridMap.from_ascii(".#."), (0, 0), (5, 0))

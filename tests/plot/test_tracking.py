@@ -22,7 +22,7 @@ def ax():
 
 
 def test_paths_errors_and_speeds_are_those_of_the_run(ax):
-    trace = tracking.follow(tracking.Dfl(EIGHT), [0.1, 0.0, 0.3])
+    trace = tracking.follow(tracking.Tracker(EIGHT, tracking.Dfl()), [0.1, 0.0, 0.3])
     wanted, driven = plot.draw_tracking_path(ax, trace)
     assert np.array_equal(np.transpose(driven.get_data()), trace.poses[:, :2])
     assert np.array_equal(np.transpose(wanted.get_data()), trace.wanted[:, :2])

@@ -1,5 +1,6 @@
 """Node removal, B-splines, eta-cubed splines: against first principles, SciPy, linear algebra; free of collision."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -7,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
 from fuzzynav import smoothing
@@ -353,3 +355,119 @@ def test_points_that_make_no_chain(points, words) -> None:
         eta_splines.chain(points)
     with pytest.raises(ValueError, match="stretch"):
         eta_splines.chain(SQUARE, stretch=0.0)
+
+
+# -- eta-cubed splines at the edge of what they can be
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(40))
+def test_the_length_is_that_of_scipys_quadrature(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    start, end = (
+        [0.0, 0.0, rng.uniform(-3, 3), *rng.uniform(-1, 1, 2)],
+        [*rng.uniform(-6, 6, 2), *rng.uniform(-3, 3, 3)],
+    )
+    curve = eta_splines.eta3(start, end, [*rng.uniform(0.3, 9, 2), *rng.uniform(-60, 60, 4)])
+    expected, _ = quad(lambda u: float(np.hypot(*curve.derivative(u, 1))), 0, 1, epsabs=0, epsrel=1e-12, limit=2000)
+    assert curve.length == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.filterwarnings("error")
+def test_the_length_of_a_curve_with_a_cusp_and_of_a_spline_that_nearly_stops() -> None:
+    cusp = smoothing.arc_length(lambda t: np.stack([3 * t**2, 2 * t], axis=-1), [-1.0, 0.3])  # (t^3, t^2), by hand
+    assert cusp == pytest.approx(((4 + 9) ** 1.5 + (4 + 9 * 0.09) ** 1.5 - 16) / 27, rel=1e-10)
+    turning = smoothing.bspline([[0, 0], [4, 0], [0, 1e-3], [4, 2e-3], [0, 1e-2]])
+    ends = np.linspace(0.0, 2.0, 401)
+    parts = [
+        quad(lambda t: float(np.hypot(*turning.derivative(t, 1))), a, b, epsabs=1e-13)[0]
+        for a, b in itertools.pairwise(ends)
+    ]
+    assert turning.length == pytest.approx(sum(parts), rel=1e-10)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-4, 1.0, 1e3, 1e6, 1e9])
+def test_a_curve_has_the_same_shape_at_every_size(size: float) -> None:
+    one = eta_splines.eta3([0, 0, 0.3, 0.2, 0.05], [0.8, 0.6, 1.1, -0.4, 0.07], [1, 1])
+    other = eta_splines.eta3(
+        [0, 0, 0.3, 0.2 / size, 0.05 / size**2],
+        [0.8 * size, 0.6 * size, 1.1, -0.4 / size, 0.07 / size**2],
+        [size, size],
+    )
+    assert np.allclose(other.points(9) / size, one.points(9), rtol=0, atol=1e-12)
+    assert other.length / size == pytest.approx(one.length)
+    u = np.linspace(0, 1, 9)
+    assert np.allclose(other.curvature(u) * size, one.curvature(u), rtol=1e-6, atol=1e-9)
+    assert np.allclose(other.curvature_rate(u) * size**2, one.curvature_rate(u), rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    ("start", "end", "eta", "words"),
+    [
+        ([0, 0, 0], [1e-200, 0, 0], None, "lie 1e-200 m apart"),
+        ([0, 0, 0], [1e200, 0, 0], None, "end must be metres"),
+        ([-1e308, 0, 0], [1e308, 0, 0], None, "start must be metres"),
+        ([0, 0, 0, 1e300], [1, 0, 0], None, "start must be metres"),
+        ([0, 0, 0], [1, 0, 0], [1e-200, 1], "must lie in 1e-09 to 1e"),
+        ([0, 0, 0], [1, 0, 0], [1, 1e200], "must lie in 1e-09 to 1e"),
+        ([0, 0, 0], [1, 0, 0], [1, 1, -1e200], "the others within"),
+    ],
+)
+def test_numbers_whose_powers_no_curve_can_hold_are_refused(start, end, eta, words) -> None:
+    with pytest.raises(ValueError, match=words):
+        eta_splines.eta3(start, end, eta)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e-9, 1e9])
+def test_the_least_and_the_most_that_is_accepted_stays_finite(size: float) -> None:
+    curve, u = eta_splines.eta3([0, 0, 0.3], [size, 0, 1.1], [size, size, size, -size]), np.linspace(0, 1, 9)
+    for values in (curve.points(), curve.curvature(u), curve.curvature_rate(u), curve.length):
+        assert np.isfinite(values).all()
+    extreme = eta_splines.eta3([0, 0, 0.3, 1e9, -1e9], [1e-9, 0, 1.1, 1e9, 1e9], [1e9, 1e9, 1e9, -1e9, 1e9, 1e9])
+    assert np.isfinite([*extreme.curvature(u), *extreme.curvature_rate(u), extreme.length]).all()
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_curve_that_stops_has_no_curvature_there() -> None:
+    assert np.isnan(eta_splines.curvature_rate([0.0, 0.0], [1.0, 0.0], [0.0, 1.0]))
+
+
+def test_the_printed_coefficients_are_right_where_errata_name_no_misprint() -> None:
+    rng = np.random.default_rng(4)
+    wrong = {(0, 2), (1, 2), (1, 4), (1, 5), (1, 6), (1, 7)}  # T5; T8 with T6 and T7
+    for _ in range(20):
+        case = rng.normal(size=5), rng.normal(size=5), rng.uniform(0.5, 3, 6)
+        right, printed = eta_splines.coefficients(*case), eta_splines.coefficients_as_printed(*case)
+        assert {tuple(at) for at in np.argwhere(~np.isclose(right, printed, rtol=1e-9)).tolist()} == wrong
+        gap = (case[1] - case[0])[0] - (case[1] - case[0])[1]
+        assert printed[0, 2] - right[0, 2] == pytest.approx((case[2][1] - case[2][2]) / 2 * np.cos(case[0][2]))  # T5
+        assert printed[1, 4] - right[1, 4] == pytest.approx(35 * gap)  # T8
+        assert printed[1, 7] - right[1, 7] == pytest.approx(-20 * gap)  # T8
+
+
+@pytest.mark.parametrize("turn", [0.5, 2.0, math.pi, 4.0, 5.5])
+def test_a_turned_chain_is_the_chain_turned(turn: float) -> None:
+    rotation = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    loop = np.array([[0.0, 0.0], [2.0, 0.3], [2.5, 2.0], [1.0, 3.0], [-1.0, 2.0], [-0.5, -1.0], [2.0, -1.5]])
+    assert np.allclose(eta_splines.chain(loop @ rotation).points(21), eta_splines.chain(loop).points(21) @ rotation)
+
+
+@pytest.mark.parametrize("rounds", [-1, 0.5])
+def test_rounds_that_cannot_be_counted_are_refused(rounds) -> None:
+    grid = GridMap(np.zeros((5, 5), dtype=bool))
+    with pytest.raises(ValueError, match="rounds must be a whole number"):
+        smoothing.free_bspline([[0.5, 0.5], [4.5, 4.5]], grid, rounds=rounds)
+    assert smoothing.free_bspline([[0.5, 0.5], [4.5, 4.5]], grid, rounds=0).status == "free"
+
+
+def test_curves_cannot_be_written_to_and_leave_the_callers_points_alone() -> None:
+    points = SQUARE.copy()
+    spline, curve = smoothing.bspline(points), eta_splines.eta3([0, 0, 0], [1, 0, 0])
+    points[0] = 7.0
+    assert spline.controls[0].tolist() == [0.0, 0.0]
+    for array in (spline.controls, spline.knots, curve.coefficients):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0

@@ -122,14 +122,13 @@ def _check_error(answer: Function) -> str:
 # --- 04.5
 
 
-def _step_response(gains: tracking.KanayamaGains) -> tuple[float, float, float]:
+def _step_response(law: tracking.Kanayama) -> tuple[float, float, float]:
     """Overshoot [m], settling time [s] and largest yaw rate [rad/s] after a sideways error of 0.1 m at 0.2 m/s."""
-    law = tracking.Kanayama(line((0.0, 0.0), 0.0, 0.2, 20.0), gains)
-    trace = tracking.follow(law, [0.0, 0.1, 0.0])
-    y = trace.poses[:, 1]
+    run = tracking.follow(tracking.Tracker(line((0.0, 0.0), 0.0, 0.2, 20.0), law), [0.0, 0.1, 0.0])
+    y = run.poses[:, 1]
     outside = np.flatnonzero(np.abs(y) > 0.005)
-    settled = float(trace.t[min(int(outside[-1]) + 1, len(y) - 1)]) if len(outside) else 0.0
-    return float(max(-y.min(), 0.0)), settled, float(np.abs(trace.commands[:, 1]).max())
+    settled = float(run.t[min(int(outside[-1]) + 1, len(y) - 1)]) if len(outside) else 0.0
+    return float(max(-y.min(), 0.0)), settled, float(np.abs(run.commands[:, 1]).max())
 
 
 def _check_tuning(answer: Any) -> str:
@@ -137,7 +136,7 @@ def _check_tuning(answer: Any) -> str:
     k1, k2, k3 = _numbers(answer, (3,), "The gains k1, k2, k3")
     if min(k1, k2, k3) <= 0:
         raise Wrong(f"All three gains must be positive, the least of yours is {min(k1, k2, k3):.3g}.")
-    overshoot, settled, turn = _step_response(tracking.KanayamaGains(k1=float(k1), k2=float(k2), k3=float(k3)))
+    overshoot, settled, turn = _step_response(tracking.Kanayama(k1=float(k1), k2=float(k2), k3=float(k3)))
     if overshoot > 0.003:
         raise Wrong(f"The robot passes the line by {1e3 * overshoot:.1f} mm: the limit is 3 mm; damp it with k3.")
     if settled > 6.0:

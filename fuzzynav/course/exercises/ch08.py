@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzynav.blend.controllers import reach_of, table_5_1
+from fuzzynav.blend import reach_of, table_5_1
 from fuzzynav.course.exercise import Exercise, Wrong
 
 __all__ = ["EXERCISES"]

@@ -10,6 +10,7 @@ from fuzzynav import blend
 from fuzzynav.plot.base import COLORS, draw_path, metric_axes
 from fuzzynav.plot.blend import block_corners, draw_block, draw_gate, weight_surface
 from fuzzynav.plot.blit import Update
+from fuzzynav.simulate.record import Run
 from fuzzynav.tracking.reference import FigureEight
 
 __all__ = ["block_lab", "weight_lab"]
@@ -17,7 +18,7 @@ __all__ = ["block_lab", "weight_lab"]
 HALF = FigureEight(duration=blend.LAP / 2.0)  # the upper loop
 
 
-def _ending(run: blend.FuzzyRun) -> str:
+def _ending(run: Run) -> str:
     if run.status == "collided":
         return f"contact at {run.t[-1]:.1f} s"
     return f"clearance {run.min_clearance:.2f} m, largest distance {run.distance.max():.2f} m"
@@ -52,7 +53,7 @@ def block_lab(figure: Figure) -> Update:
         shape.set_xy(block_corners(place))
         for run, path, share, gap in zip(runs, (printed, safe), shares, gaps, strict=True):
             path.set_data(*run.poses[:, :2].T)
-            share.set_data(run.t[:-1], run.weight)
+            share.set_data(run.t[:-1], run.log["weight"])
             gap.set_data(run.t[:-1], run.clearance)
         hit = runs[0].status == "collided"
         end.set_data(*(runs[0].poses[-1:, :2].T if hit else np.zeros((2, 0))))
@@ -89,6 +90,7 @@ def weight_lab(figure: Figure) -> Update:
         image.set_data(weight_surface(system, (21, 41)))
         driven.set_data(*run.poses[:, :2].T)
         low, high = blend.reach_of(system)
-        return [image, driven], f"F from {low:.2f} to {high:.2f}; largest F used {run.fuzzy.max():.2f}; {_ending(run)}"
+        used = run.log["F"].max()
+        return [image, driven], f"F from {low:.2f} to {high:.2f}; largest F used {used:.2f}; {_ending(run)}"
 
     return update

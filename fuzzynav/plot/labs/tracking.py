@@ -11,6 +11,7 @@ from fuzzynav.geometry import compose
 from fuzzynav.plot.base import COLORS, draw_path, metric_axes
 from fuzzynav.plot.blit import Update
 from fuzzynav.plot.tracking import draw_poles, draw_reference
+from fuzzynav.robot import TURTLEBOT2
 from fuzzynav.tracking.reference import FigureEight
 
 __all__ = ["dfl_gains_lab", "rivals_lab"]
@@ -32,36 +33,36 @@ def dfl_gains_lab(figure: Figure) -> Update:
     start = eight.sample(0.0).pose
 
     def update(kp: float, kd: float, heading: float, v0: float) -> tuple[list[Artist], str]:
-        gains = tracking.DflGains(kp1=kp, kp2=kp, kd1=kd, kd2=kd, v0=v0)
-        trace = tracking.follow(tracking.Dfl(eight, gains), start + [0, 0, np.radians(heading)], duration=SPAN)
-        driven.set_data(*trace.poses[:, :2].T)
-        distance.set_data(trace.t, trace.distance)
-        found = tracking.poles(gains)
+        law = tracking.Dfl(kp1=kp, kp2=kp, kd1=kd, kd2=kd, v0=v0)
+        run = tracking.follow(tracking.Tracker(eight, law), start + [0, 0, np.radians(heading)], duration=SPAN)
+        driven.set_data(*run.poses[:, :2].T)
+        distance.set_data(run.t, run.distance)
+        found = tracking.poles(law)
         poles.set_data(found.real, found.imag)
         damping = kd / (2.0 * np.sqrt(kp))
         text = (
-            f"damping {damping:.2f}, poles {found[0]:.2f} 1/s, largest distance {trace.max_distance:.3f} m, "
-            f"RMS {trace.rms_distance:.3f} m, largest yaw rate {np.abs(trace.commands[:, 1]).max():.2f} rad/s"
+            f"damping {damping:.2f}, poles {found[0]:.2f} 1/s, largest distance {run.max_distance:.3f} m, "
+            f"RMS {run.rms_distance:.3f} m, largest yaw rate {np.abs(run.commands[:, 1]).max():.2f} rad/s"
         )
         return [driven, distance, poles], text
 
     return update
 
 
-RIVALS = {
-    "DFL": tracking.Dfl,
-    "linear flatness": tracking.Flatness,
-    "Kanayama": tracking.Kanayama,
-    "PID": tracking.Pid,
-    "LQR": tracking.Lqr,
-    "sliding mode": tracking.Sliding,
+RIVALS: dict[str, tracking.Law] = {
+    "DFL": tracking.Dfl(),
+    "linear flatness": tracking.Flatness(),
+    "Kanayama": tracking.Kanayama(),
+    "PID": tracking.Pid(),
+    "LQR": tracking.Lqr(),
+    "sliding mode": tracking.Sliding(),
 }
 
 
 def rivals_lab(figure: Figure) -> Update:
     """Distance over time of DFL and one rival, default gains, under noise [mm], delay [s], lag [s] and slip [%]."""
     eight = FigureEight(duration=SPAN)
-    laws = {name: law(eight) for name, law in RIVALS.items()}
+    trackers = {name: tracking.Tracker(eight, law) for name, law in RIVALS.items()}
     ax = figure.subplots()
     (first,) = ax.plot([], [], color=COLORS["robot"], label="DFL")
     (second,) = ax.plot([], [], color=COLORS["path"], linestyle="--", label="rival")
@@ -73,11 +74,11 @@ def rivals_lab(figure: Figure) -> Update:
         disturbance = tracking.Disturbance(
             position_noise=noise / 1e3, heading_noise=2e-3 * noise, delay=delay, motor_lag=lag, slip=slip / 100.0
         )
-        traces = [tracking.follow(laws[name], start, disturbance=disturbance, rng=5) for name in ("DFL", rival)]
-        for line, trace in zip((first, second), traces, strict=True):
-            line.set_data(trace.t, trace.distance)
-        late = [1e3 * trace.after(20.0).rms_distance for trace in traces]
-        effort = [trace.effort() for trace in traces]
+        runs = [tracking.follow(trackers[name], start, disturbance=disturbance, rng=5) for name in ("DFL", rival)]
+        for line, run in zip((first, second), runs, strict=True):
+            line.set_data(run.t, run.distance)
+        late = [1e3 * run.after(20.0).rms_distance for run in runs]
+        effort = [run.effort(TURTLEBOT2) for run in runs]
         return [first, second], (
             f"RMS from 20 s on: DFL {late[0]:.1f} mm, {rival} {late[1]:.1f} mm; "
             f"effort {effort[0]:.1f} and {effort[1]:.1f} rad/s²"

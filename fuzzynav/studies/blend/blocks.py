@@ -14,12 +14,13 @@ from scipy import ndimage
 from scipy.spatial import KDTree
 
 from fuzzynav import batch, blend, simulate
-from fuzzynav.blend.kernels import INDEX, WEIGHT
-from fuzzynav.blend.points import _nearest_on
+from fuzzynav.blend.points import nearest_on
 from fuzzynav.control import Observation
 from fuzzynav.data import folder
 from fuzzynav.geometry import Array
 from fuzzynav.robot import TURTLEBOT2
+from fuzzynav.simulate.record import Run
+from fuzzynav.tracking.records import POSE
 from fuzzynav.tracking.reference import FigureEight
 from fuzzynav.world import Mover, World
 
@@ -71,7 +72,7 @@ def _near_curve(rng: np.random.Generator) -> tuple[Array, float]:
 def edge_distance(block: Array, points: Array) -> Array:
     """Distance `(n,)` [m] from points `(n, 2)` to the edge of a block, negative inside."""
     spare = np.empty(4)
-    return np.array([_nearest_on(block, p[0], p[1], spare) for p in points])
+    return np.array([nearest_on(block, p[0], p[1], spare) for p in points])
 
 
 def block_of(seed: int) -> Array:
@@ -104,22 +105,23 @@ def cross_track(poses: Array) -> Array:
     return np.asarray(KDTree(_lap()[1]).query(poses[:, :2])[0])
 
 
-def _outcome(run: blend.FuzzyRun) -> dict[str, Any]:
+def _outcome(run: Run) -> dict[str, Any]:
     """What one two-lap run came to."""
-    late = run.t[:-1] >= run.last_avoidance + LATE - 1e-9
+    late = run.t[:-1] >= blend.last_avoidance(run) + LATE - 1e-9
+    distance = run.distance[:-1]
     done = run.status == "done" and late.any()
-    rms = np.sqrt((run.distance[late] ** 2).mean()) if done else np.nan
+    rms = np.sqrt((distance[late] ** 2).mean()) if done else np.nan
     aside = np.sqrt((cross_track(run.poses[:-1][late]) ** 2).mean()) if done else np.nan
     return {
         "status": run.status,
         "clearance": _short(run.min_clearance),
         "late_rms": _short(rms),
         "late_cross_track": _short(aside),
-        "max_error": _short(run.distance.max()),
+        "max_error": _short(distance.max()),
         "max_cross_track": _short(cross_track(run.poses).max()),
         "length": _short(run.length),
-        "delay": round(run.delay, 1),
-        "avoiding": round(float(run.avoiding.sum() * 0.1), 1),
+        "delay": round(blend.delay(run), 1),
+        "avoiding": round(float(run.log["avoiding"].sum() * 0.1), 1),
         "success": int(done and rms <= 0.05),
     }
 
@@ -166,11 +168,12 @@ class _Lap:
         law = self.inner
         command = law(observation)
         if isinstance(law, blend.SafeBlend):
-            now, k, weight = round(law.evidence["reference_time"] / 0.1), int(law.mind[INDEX]), float(law.mind[WEIGHT])
+            now, k, weight = round(law.evidence["reference_time"] / 0.1), int(law.mind.index), float(law.mind.weight)
         else:
             now = round(observation.time / 0.1)
             k, weight = now + 1, law.evidence["F"]
-        gap = float(np.hypot(*(law.rows[min(now, law.steps), :2] - observation.pose[:2])))
+        row = law.tracker.rows[min(now, law.tracker.steps)]
+        gap = float(np.hypot(*([row.x, row.y] - observation.pose[:2])))
         self.evidence = {"gap": gap, "weight": weight}
         self.status = "reached" if k >= self.until else None
         return command
@@ -189,12 +192,13 @@ def one_mover(seed: int) -> list[dict[str, Any]]:
 
 def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[str, Any]:
     """One lap with the mover and, if nothing was touched, the lap behind it without."""
+    lap, loop = round(blend.LAP / 0.1), simulate.Loop(stall_time=np.inf)
     laser = replace(simulate.IDEAL_LASER, beams=180, range_max=2.0)
-    lap, loop = round(blend.LAP / 0.1), simulate.Loop(stall_time=1e5)
-    start, far = law.rows[0, [0, 1, 6]], [90.0, 90.0]
+    start = [law.tracker.rows[name][0] for name in POSE]
     law.reset()
-    sensing: dict[str, Any] = {"laser": laser, "track_movers": True, "loop": loop}
-    first = simulate.run(world, TURTLEBOT2, _Lap(law, lap), start, far, t_max=400.0, **sensing)
+    first = simulate.run(
+        world, TURTLEBOT2, _Lap(law, lap), start, t_max=400.0, laser=laser, track_movers=True, loop=loop
+    )
     row = {
         "status": first.status,
         "standing": first.contacts_standing,
@@ -206,7 +210,9 @@ def _two_laps(world: World, law: blend.SafeBlend | blend.PrintedBlend) -> dict[s
     if first.status != "reached" or first.contacts_standing:
         return row
     until = 2 * lap - 1 if isinstance(law, blend.SafeBlend) else lap  # the printed one reads the clock, from 0 anew
-    second = simulate.run(World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], far, t_max=200.0, **sensing)
+    second = simulate.run(
+        World(), TURTLEBOT2, _Lap(law, until), first.poses[-1], t_max=200.0, laser=laser, track_movers=True, loop=loop
+    )
     gap = np.concatenate([first.log["gap"], second.log["gap"]])
     weight = np.concatenate([first.log["weight"], second.log["weight"]])
     active = np.flatnonzero(weight > 0.0)

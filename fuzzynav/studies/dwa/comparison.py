@@ -18,7 +18,7 @@ from fuzzynav.data import folder
 from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.fast import drive, shipped
 from fuzzynav.dwa.steps import TABLE_3_3, TABLE_4_1, Params
-from fuzzynav.fuzzy.packing import Tables
+from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import THESIS
 from fuzzynav.simulate.record import Run

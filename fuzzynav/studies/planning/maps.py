@@ -1,6 +1,6 @@
 """The scenes of the global planners: reconstructed maps with their ends, and what the thesis' planners do there.
 
-Rasters, starts and goals of chapter 3 and rasters of chapter 4 are ours (data/maps/README.md).
+Rasters, starts and goals of thesis 3 and rasters of thesis 4 are ours (data/maps/README.md).
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def traditional(scene: Scene) -> Planned:
 
 
 def efficient(scene: Scene, options: Options = astar.EFFICIENT) -> Planned:
-    """Chapter 3: the efficient search and the key nodes of section 3.3.4."""
+    """Thesis 3: the efficient search and the key nodes of section 3.3.4."""
     corners = scene.traditional.corners
     found = astar.search(scene.grid, scene.start, scene.goal, replace(options, corners=corners))
     kept = simplify.key_nodes(found.cells, scene.grid, corners=corners)
@@ -100,7 +100,7 @@ def efficient(scene: Scene, options: Options = astar.EFFICIENT) -> Planned:
 
 
 def enhanced(scene: Scene, options: Options = astar.ENHANCED) -> Planned:
-    """Chapter 4: the enhanced search at the safety radius and the two steps of section 4.2.2.2."""
+    """Thesis 4: the enhanced search at the safety radius and the two steps of section 4.2.2.2."""
     radius = scene.safety_radius
     found = astar.search(scene.grid, scene.start, scene.goal, replace(options, safety_radius=radius))
     kept = simplify.prune(found.cells, scene.grid, radius)

@@ -1,4 +1,4 @@
-"""The planners of chapters 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
+"""The planners of thesis 3 and 4 on 1000 seeded random maps for each density, and their times on our maps.
 
 One row a map: cells searched, lengths [m] and times [us] of every planner, and the optimum of all. Times are the least
 of five runs, search and node removal together; everything else is the same on every computer.
@@ -79,7 +79,7 @@ def _kept(
 
 
 def _safe(grid: GridMap, start: tuple[int, int], goal: tuple[int, int]) -> dict[str, object]:
-    """Chapter 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
+    """Thesis 4 with strict corners and 0.5 m of clearance: traditional, enhanced, optimum, plain spline."""
     strict = astar.search(grid, start, goal, replace(astar.TRADITIONAL, corners="strict"))
     found = astar.search(grid, start, goal, astar.ENHANCED)
     row: dict[str, object] = {

@@ -18,6 +18,8 @@ from scipy.optimize import differential_evolution
 from fuzzynav import batch, tracking
 from fuzzynav.data import folder
 from fuzzynav.geometry import Array, compose
+from fuzzynav.robot import TURTLEBOT2
+from fuzzynav.tracking.records import POSE, SPEEDS
 from fuzzynav.tracking.reference import FigureEight, Reference
 
 __all__ = [
@@ -50,7 +52,7 @@ HALF = 63.0  # [s] driven in the comparison: the second half of the lap is the m
 SETTLED = 20.0  # [s] from here on the start error is forgotten
 SEEDS = 200
 CONDITIONS: dict[str, tracking.Disturbance] = {
-    "ideal": tracking.IDEAL,
+    "ideal": tracking.UNDISTURBED,
     "noise": tracking.Disturbance(position_noise=0.01, heading_noise=0.02),
     "slip": tracking.Disturbance(slip=0.1),
     "delay": tracking.Disturbance(delay=0.2),
@@ -74,13 +76,13 @@ POPULATION, GENERATIONS = 24, 15  # the optimiser's budget: 360 trials for each 
 class Contestant:
     """A law in the experiment: how it is made from its tunable values, and their ranges (searched on a log scale)."""
 
-    make: Callable[[Reference, dict[str, float]], tracking.Tracker]
+    make: Callable[[dict[str, float]], tracking.Law]
     ranges: dict[str, tuple[float, float]]
 
 
 def _flat(law: type[tracking.Dfl | tracking.Flatness]) -> Contestant:
-    def make(reference: Reference, x: dict[str, float]) -> tracking.Tracker:
-        return law(reference, tracking.DflGains(kp1=x["kp"], kp2=x["kp"], kd1=x["kd"], kd2=x["kd"]))
+    def make(x: dict[str, float]) -> tracking.Law:
+        return law(kp1=x["kp"], kp2=x["kp"], kd1=x["kd"], kd2=x["kd"])
 
     return Contestant(make, {"kp": (0.1, 20.0), "kd": (0.2, 10.0)})
 
@@ -95,7 +97,7 @@ def _pid(feed_forward: bool) -> Contestant:
         "kd_omega": (0.001, 1.0),
         "k_y": (0.1, 20.0),
     }
-    return Contestant(lambda r, x: tracking.Pid(r, tracking.PidGains(feed_forward=feed_forward, **x)), ranges)
+    return Contestant(lambda x: tracking.Pid(feed_forward=feed_forward, **x), ranges)
 
 
 _WEIGHTS = {"ahead": (0.1, 100.0), "left": (0.1, 100.0), "heading": (0.01, 10.0), "omega": (0.01, 10.0)}
@@ -103,23 +105,23 @@ CONTESTANTS: dict[str, Contestant] = {
     "DFL": _flat(tracking.Dfl),
     "linear flatness": _flat(tracking.Flatness),
     "Kanayama": Contestant(
-        lambda r, x: tracking.Kanayama(r, tracking.KanayamaGains(**x)),
+        lambda x: tracking.Kanayama(**x),
         {"k1": (0.1, 10.0), "k2": (0.5, 200.0), "k3": (0.1, 10.0)},
     ),
     "PID": _pid(False),
     "PID + feed-forward": _pid(True),
-    "LQR": Contestant(lambda r, x: tracking.Lqr(r, tracking.Weights(**x)), _WEIGHTS),
+    "LQR": Contestant(lambda x: tracking.Lqr(weights=tracking.Weights(**x)), _WEIGHTS),
     "sliding mode": Contestant(
-        lambda r, x: tracking.Sliding(r, tracking.SlidingGains(**x)),
+        lambda x: tracking.Sliding(**x),
         {"k1": (0.01, 3.0), "phi1": (0.01, 1.0), "k2": (0.05, 5.0), "phi2": (0.03, 2.0), "c": (0.2, 20.0)},
     ),
-    "MPC": Contestant(lambda r, x: tracking.Mpc(r, tracking.MpcParams(weights=tracking.Weights(**x))), _WEIGHTS),
+    "MPC": Contestant(lambda x: tracking.Mpc(weights=tracking.Weights(**x)), _WEIGHTS),
 }
 
 
 def build(method: str, reference: Reference, values: dict[str, float]) -> tracking.Tracker:
-    """The controller of a contestant with these values."""
-    return CONTESTANTS[method].make(reference, values)
+    """The tracker of a contestant with these values."""
+    return tracking.Tracker(reference, CONTESTANTS[method].make(values))
 
 
 def start_pose(reference: Reference, seed: int) -> Array:
@@ -136,7 +138,7 @@ def score(tracker: tracking.Tracker) -> float:
         trace = tracking.follow(tracker, start, disturbance=CONDITIONS[condition], rng=seed)
         if trace.status != "done":
             return 10.0
-        total += trace.rms_distance + 0.1 * float(trace.rms[2]) + 0.002 * trace.effort()
+        total += trace.rms_distance + 0.1 * float(trace.rms[2]) + 0.002 * trace.effort(TURTLEBOT2)
     return min(total / len(LESSONS), 10.0)
 
 
@@ -208,7 +210,7 @@ def compare(case: str) -> list[dict[str, Any]]:
                 "late_rms": _short(late.rms_distance),
                 "late_max": _short(late.max_distance),
                 "heading": _short(late.rms[2]),
-                "effort": _short(trace.effort()),
+                "effort": _short(trace.effort(TURTLEBOT2)),
             }
         )
     return rows
@@ -229,11 +231,12 @@ def wall_time(method: str) -> dict[str, Any]:
     The least of five medians and the quickest of five runs: what else the machine does is left out.
     """
     tracker, clock = _ready(method), time.perf_counter
+    poses, speeds = (np.stack([tracker.rows[name] for name in names], axis=-1) for names in (POSE, SPEEDS))
     medians, spans = [], []
     for _ in range(5):
         times = []
         for k in range(300):
-            now = tracking.seen(0.1 * k, tracker.rows[k, [0, 1, 6]] + 0.01, tracker.rows[k, 7:9])
+            now = tracking.seen(0.1 * k, poses[k] + 0.01, speeds[k])
             begin = clock()
             tracker(now)
             times.append(clock() - begin)
@@ -259,10 +262,17 @@ def observe(case: str) -> list[dict[str, Any]]:
     """Rows of `observer/noise/seed`: DFL with the thesis' gains on half a lap, position noise [m], heading 0.01 rad."""
     name, level, seed = case.split("/")
     noise = float(level)
-    tracker = tracking.Dfl(FigureEight(duration=63.0), observer=OBSERVERS[name](noise))
+    tracker = tracking.Tracker(FigureEight(duration=63.0), tracking.Dfl(), observer=OBSERVERS[name](noise))
     disturbance = tracking.Disturbance(position_noise=noise, heading_noise=0.01)
     trace = tracking.follow(tracker, disturbance=disturbance, rng=int(seed))
-    return [{"observer": name, "noise": noise, "rms": _short(trace.rms_distance), "effort": _short(trace.effort())}]
+    return [
+        {
+            "observer": name,
+            "noise": noise,
+            "rms": _short(trace.rms_distance),
+            "effort": _short(trace.effort(TURTLEBOT2)),
+        }
+    ]
 
 
 def _short(value: float) -> float:
