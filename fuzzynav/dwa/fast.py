@@ -104,18 +104,23 @@ def drive(
         _beams(laser),
         _ends(loop, params.dt, t_max),
     )
-    log = dict(zip(("alpha", "beta", "gamma"), weights.T, strict=True))
     return Run(
         t=params.dt * np.arange(len(poses), dtype=float),
         poses=poses,
         commands=commands,
         clearance=clearances,
-        log={**log, "uncovered": notes[:, 0].astype(float), "braking": notes[:, 1].astype(float)},
+        log=_log(weights, notes),
         status=STATUSES[status],
         goal=b[:2].copy(),
         radius=robot.radius,
         contacts_moving=int(status == COLLIDED),
     )
+
+
+def _log(weights: Array, notes: NDArray[np.bool_]) -> dict[str, Array]:
+    """What the controller would have given as evidence, step by step."""
+    columns = np.column_stack([weights, notes.astype(float)]).T
+    return dict(zip(("alpha", "beta", "gamma", "uncovered", "braking"), columns, strict=True))
 
 
 def _refuse(world: World, params: Params, laser: Laser | None, loop: Loop) -> None:
