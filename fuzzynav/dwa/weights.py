@@ -17,7 +17,7 @@ __all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "fuzzy_controller", "inputs_of",
 
 INPUTS = ("headGoal", "distObs", "velRob")
 OUTPUTS = ("alpha", "beta", "gamma")
-AHEAD = 1.3e-14  # [deg] half of the last digit of pi [rad]
+AHEAD = 1e-9  # [deg] a heading is never known so exactly (ours)
 UNIVERSES = np.array([[0.0, 180.0], [0.0, 15.0], [0.0, 1.0]])  # thesis section 3.5.1
 
 
