@@ -38,8 +38,16 @@ class Claim:
 
     @property
     def decimals(self) -> int:
-        """Number of printed decimals."""
+        """Number of printed decimals; fractions of pi count as three."""
+        if "pi" in self.printed:
+            return 3
         return len(self.printed.partition(".")[2]) if isinstance(self.value, float) else 0
+
+    @property
+    def is_comparison(self) -> bool:
+        """Whether it states a change or a comparison: a rate or a length has no direction."""
+        words = "than|below|fewer|better|more|less|shorter|cheaper|reduction|increase|grow"
+        return " vs " in self.method or re.search(rf"\b({words})\b", self.quantity) is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -92,14 +92,16 @@ def to_world(pose: ArrayLike, points_body: ArrayLike) -> Array:
     """Points `(n, 2)` [m] of the body frame of one pose `(3,)`, in the world frame."""
     x, y, theta = np.asarray(pose, dtype=float)
     c, s = np.cos(theta), np.sin(theta)
-    return np.asarray(points_body, dtype=float) @ np.array([[c, s], [-s, c]]) + [x, y]
+    found: Array = np.asarray(points_body, dtype=float) @ np.array([[c, s], [-s, c]]) + [x, y]
+    return found
 
 
 def to_body(pose: ArrayLike, points_world: ArrayLike) -> Array:
     """Points `(n, 2)` [m] of the world frame, in the body frame of one pose `(3,)`."""
     x, y, theta = np.asarray(pose, dtype=float)
     c, s = np.cos(theta), np.sin(theta)
-    return (np.asarray(points_world, dtype=float) - [x, y]) @ np.array([[c, -s], [s, c]])
+    found: Array = (np.asarray(points_world, dtype=float) - [x, y]) @ np.array([[c, -s], [s, c]])
+    return found
 
 
 def cumulative_length(points: ArrayLike) -> Array:
@@ -151,7 +153,8 @@ def curvature(velocity: ArrayLike, acceleration: ArrayLike) -> Array:
     d1, d2 = np.asarray(velocity, dtype=float), np.asarray(acceleration, dtype=float)
     cross = d1[..., 0] * d2[..., 1] - d1[..., 1] * d2[..., 0]
     speed = np.hypot(d1[..., 0], d1[..., 1])
-    return cross / np.where(speed > 0.0, speed, np.nan) ** 3
+    found: Array = cross / np.where(speed > 0.0, speed, np.nan) ** 3
+    return found
 
 
 def point_segment_distance(points: ArrayLike, start: ArrayLike, end: ArrayLike) -> Array:
@@ -165,4 +168,5 @@ def point_segment_distance(points: ArrayLike, start: ArrayLike, end: ArrayLike) 
     squared = np.maximum((along**2).sum(-1), np.finfo(float).tiny)
     t = np.clip(((p - a) * along).sum(-1) / squared, 0.0, 1.0)
     gap = p - (a + t[..., None] * along)
-    return np.hypot(gap[..., 0], gap[..., 1])
+    found: Array = np.hypot(gap[..., 0], gap[..., 1])
+    return found

@@ -2,11 +2,13 @@
 
 Verdict of a claim, first rule that fits:
 1. a verdict set by hand with its reason ('contradicts itself', 'not testable');
-2. 'reproduced': the texts are equal, the truth values are equal, the number lies within the
-   stated tolerance of the printed one (plus 1e-9), or fulfils a printed bound such as '> 90';
-3. 'direction holds': the reproduction's own test of the tendency says so, or the claim is a
-   percentage and ours has the same sign;
+2. the texts are equal, the truth values are equal, the number lies within the stated tolerance of the printed one
+   (plus 1e-9), or fulfils a printed bound such as '> 90': what the reproduction says that agreement shows,
+   'reproduced', 'fitted', 'input' or 'by definition';
+3. 'direction holds': the claim is a change or a comparison, and on seeded cases the whole 95 % interval of the change
+   lies on the printed side;
 4. 'not reproduced'; 'not yet' where no reproduction exists, or its study was not run.
+`fuzzynav.studies.reproduction.MEANING` says what each word means.
 Run `python -m fuzzynav.published` to print all of it.
 """
 
@@ -19,7 +21,7 @@ import re
 import sys
 import textwrap
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 
@@ -59,6 +61,8 @@ class Row:
     published: str
     ours: str
     verdict: str
+    free: str
+    holds_for: str
     why: str
     topic: str
 
@@ -86,15 +90,16 @@ def reproductions() -> dict[str, tuple[Reproduction, ...]]:
 
 
 def verdict(published: Claim, ours: Measured, reproduction: Reproduction) -> Verdict:
-    """The verdict on our value by the rules above."""
+    """The verdict on our value by the rules above; ValueError for a direction of what is no comparison."""
     if reproduction.verdict is not None:
         return reproduction.verdict
     if _agrees(published.value, ours, reproduction.tolerance):
-        return "reproduced"
-    if reproduction.direction is not None:
-        return "direction holds" if reproduction.direction() else "not reproduced"
-    same_sign = _is_number(ours) and _is_number(published.value) and float(ours) * float(published.value) > 0
-    return "direction holds" if published.unit == "%" and same_sign else "not reproduced"
+        return reproduction.shows
+    if reproduction.direction is None:
+        return "not reproduced"
+    if not published.is_comparison:
+        raise ValueError(f"{published.id} states no change and no comparison: it has no direction")
+    return "direction holds" if reproduction.direction()[1] > 0.0 else "not reproduced"
 
 
 def table(topic: str) -> Table:
@@ -103,7 +108,7 @@ def table(topic: str) -> Table:
     if topic not in known:
         raise ValueError(f"topic {topic} has no reproductions; there are: {', '.join(known) or 'none yet'}")
     rows = [_row(r, topic) for r in known[topic]]
-    shown = ["claim", "quantity", "setting", "unit", "published", "ours", "verdict", "why"]
+    shown = ["claim", "quantity", "setting", "unit", "published", "ours", "verdict", "free", "holds_for", "why"]
     return Table([[getattr(row, key) for key in shown] for row in rows], columns=shown).set_index("claim")
 
 
@@ -126,10 +131,6 @@ def reproduced_items() -> dict[str, list[str]]:
     return found
 
 
-def _is_number(value: object) -> bool:
-    return not isinstance(value, (bool, str))
-
-
 def _agrees(published: float | bool | str, ours: Measured, tolerance: float) -> bool:
     if isinstance(published, bool) or isinstance(ours, (bool, str)):
         return type(published) is type(ours) and published == ours
@@ -149,12 +150,42 @@ def _row(reproduction: Reproduction, topic: str) -> Row:
         return replace(_open_row(c), why=str(error), topic=topic)
     ours = getattr(ours, "item", lambda: ours)()  # numpy's own scalars
     decision = verdict(c, ours, reproduction)
-    why = "; ".join(part for part in (reproduction.because, reproduction.ours) if part)
-    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, _words(ours, c), decision, why, topic)
+    return Row(
+        c.id,
+        c.source_item,
+        c.quantity,
+        _setting(c),
+        c.unit,
+        c.printed,
+        _words(ours, c),
+        decision,
+        reproduction.free,
+        _counted(reproduction.holds_for),
+        _why(reproduction),
+        topic,
+    )
+
+
+def _why(reproduction: Reproduction) -> str:
+    """The reason, the change on seeded cases, and the same comparison on cases that nobody tuned."""
+    parts = [reproduction.because]
+    if reproduction.direction is not None:
+        mean, low, high = reproduction.direction()
+        parts.append(f"change on seeded cases {mean:+.1f} [{low:+.1f}, {high:+.1f}]")
+    if reproduction.beside is not None:
+        parts.append(f"beside it: {reproduction.beside()}")
+    return "; ".join(part for part in parts if part)
+
+
+def _counted(holds: Callable[[], tuple[int, int]] | str) -> str:
+    if isinstance(holds, str):
+        return holds
+    count, of = holds()
+    return f"{count} of {of}"
 
 
 def _open_row(c: Claim) -> Row:
-    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, "", "not yet", "", "")
+    return Row(c.id, c.source_item, c.quantity, _setting(c), c.unit, c.printed, "", "not yet", "", "", "", "")
 
 
 def _setting(c: Claim) -> str:
@@ -184,6 +215,10 @@ def _print_ledger(rows: Sequence[Row]) -> None:
                 unit = "" if row.unit in ("-", "flag", "grade", "qualitative") else f" {row.unit}"
                 print(f"{row.claim}  {row.quantity} ({row.setting or 'all'})")
                 print(f"    published {row.published}{unit}; ours {row.ours or '-'}; {row.verdict}")
+                holds = f"holds for {row.holds_for}" if row.holds_for[:1].isdigit() else row.holds_for
+                more = "; ".join(part for part in (row.free and f"free: {row.free}", holds, row.why) if part)
+                if more:
+                    print(textwrap.fill(more, 116, initial_indent="    ", subsequent_indent="    "))
 
 
 def _print_items() -> None:

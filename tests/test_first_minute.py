@@ -103,7 +103,7 @@ def test_without_a_display_an_ordinary_user_gets_the_address(course: Path) -> No
     with make_lab(course, ordinary(course)) as (said, _):
         address = wait_for(r"open this address: (\S+)\n", said)[1]
         assert "jupyter-config-data" in page(address)
-        assert "root" not in said.read_text()
+        assert "you are root" not in said.read_text()
 
 
 @LINUX

@@ -89,3 +89,22 @@ def test_segment_distance_against_sampling(pts: np.ndarray, a: tuple[float, floa
     exact = g.point_segment_distance(pts, a, b)
     assert np.all(exact <= sampled + 1e-9)
     assert np.all(sampled <= exact + np.hypot(*np.subtract(a, b)) / 2000 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("points", "spacing"), [([[0, 0], [1, 0]], 1e-12), ([[0, 0], [1e308, 0]], 1.0), ([[0, 0], [np.nan, 0]], 1.0)]
+)
+def test_absurd_steps_along_a_line_are_refused(points: list[list[float]], spacing: float) -> None:
+    with pytest.raises(ValueError, match=r"take longer steps|must be finite"):
+        g.resample(points, spacing)
+
+
+def test_a_sealed_array_is_copied_only_once() -> None:
+    mine = np.zeros(3)
+    kept = g.read_only(mine)
+    mine[0] = 1.0
+    assert kept[0] == 0.0
+    assert g.read_only(kept) is kept
+    assert g.read_only(kept[:2]) is not kept
+    with pytest.raises(ValueError, match="read-only"):
+        kept[0] = 1.0

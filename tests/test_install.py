@@ -27,7 +27,7 @@ from fuzzynav.tracking.reference import FigureEight
 assert data.folder("maps").parent.name == "_data", data.folder("maps")
 print(len(FuzzySystem.load(data.folder("fuzzy") / "thesis_table_3_2.fll").rules))
 print(astar.search(GridMap(np.zeros((5, 5), dtype=bool)), (0, 0), (4, 2)).status)
-print(tracking.follow(tracking.Dfl(FigureEight()), duration=5.0).status)
+print(tracking.follow(tracking.Tracker(FigureEight(), tracking.Dfl()), duration=5.0).status)
 print(len(published.claims()), "claims;", sorted(set(published.table("fuzzy")["verdict"])))
 """
 

@@ -104,7 +104,8 @@ from fuzzynav import blend, tracking
 from fuzzynav.tracking.reference import FigureEight
 way = lambda run: float(np.hypot(*np.diff(run.poses[:, :2], axis=0).T).sum())
 eight, far_away = FigureEight(), [40.0, 0.0, 0.2, 0.3, 0.0]
-print(way(tracking.follow(tracking.Dfl(eight))), way(blend.drive(blend.SafeScheme(), far_away, reference=eight)))
+tracker = tracking.Tracker(eight, tracking.Dfl())
+print(way(tracking.follow(tracker)), way(blend.drive(blend.SafeScheme(), far_away, reference=eight)))
 """
 
 

@@ -138,7 +138,7 @@ def build(groups):
 def backend():
     """What builds the package itself: pip fetches it apart from the package's own dependencies."""
     text = (HOME / "pyproject.toml").read_text(encoding="utf-8")
-    return re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*)\]$", text, re.M).group(1))
+    return re.findall(r'"([^"]+)"', re.search(r"^requires = \[(.*?)\]", text, re.M).group(1))
 
 
 def download():

@@ -175,8 +175,27 @@ def read(path: str | Path) -> pd.DataFrame:
 
     Raises FileNotFoundError with what would make it, ValueError for a file that is no sweep.
     """
+    path = Path(path)
+    if path.exists():
+        quick = _quickly(path.read_bytes(), path.name)
+        if quick is not None:
+            return quick
     sheet = sheet_of(path)
     return frame(sheet.rows, sheet.rows)
+
+
+def _quickly(data: bytes, name: str) -> pd.DataFrame | None:
+    """A finished file cut into cells by pandas' own parser, ten times as fast; None where that might lose something."""
+    label = _label(data.partition(b"\n")[0].decode("utf-8", "replace"), name)
+    if "rows" not in label or not data.endswith(b"\n") or b"\0" in data or b"\r" in data:
+        return None
+    table = pd.read_csv(io.BytesIO(data), skiprows=1, dtype="str", keep_default_na=False)
+    for column in table:
+        cells = table[column].tolist()
+        kind = _text if column in ("case", *label["text"]) else _number
+        values = {cell: kind(cell) for cell in set(cells)}
+        table[column] = _column([values[cell] for cell in cells])
+    return table.drop(columns="complete")
 
 
 def frame(rows: Mapping[str, Sequence[Mapping[str, Value]]], cases: Iterable[str]) -> pd.DataFrame:

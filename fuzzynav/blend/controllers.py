@@ -18,6 +18,7 @@ from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.geometry import Array
 from fuzzynav.robot import TURTLEBOT2, Robot
 from fuzzynav.tracking.dfl import Dfl
+from fuzzynav.tracking.records import Records
 from fuzzynav.tracking.reference import Reference
 from fuzzynav.tracking.tracker import Tracker
 
@@ -31,7 +32,7 @@ def weight_tables(system: FuzzySystem) -> Tables:
     return system.tables
 
 
-def fresh_mind(tracker: Tracker) -> Array:
+def fresh_mind(tracker: Tracker) -> Records:
     """The mind before the first step, an array of one record: no detour yet, the speeds of the reference."""
     mind, first = np.zeros(1, MIND), tracker.rows[0]
     mind["released"], mind["v"], mind["omega"] = -np.inf, first.v, first.omega

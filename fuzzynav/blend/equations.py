@@ -32,7 +32,8 @@ def mixed(track: ArrayLike, avoid: ArrayLike, weight: ArrayLike) -> Array:
     f = np.asarray(weight, dtype=float)
     if not ((f >= 0.0) & (f <= 1.0)).all():
         raise ValueError(f"the weight F must lie in 0 to 1, got {f.tolist()}")
-    return (1.0 - f)[..., None] * np.asarray(track, dtype=float) + f[..., None] * np.asarray(avoid, dtype=float)
+    first, second = np.asarray(track, dtype=float), np.asarray(avoid, dtype=float)
+    return np.asarray((1.0 - f)[..., None] * first + f[..., None] * second)
 
 
 def safety_switch(distance: ArrayLike, safe_distance: float) -> Array:

@@ -18,6 +18,7 @@ from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import arc, clip, euler, limit, wrap
 from fuzzynav.tracking import records
 from fuzzynav.tracking.kernels import DFL, law
+from fuzzynav.tracking.records import Records
 
 __all__ = ["forecast", "guard", "lap", "printed", "printed_step", "safe", "safe_step", "weight"]
 
@@ -53,7 +54,7 @@ def printed(scheme: Any, tables: Any, points: Array, pose: Array, v: float, omeg
 
 
 @njit(cache=True)
-def printed_step(scheme: Array, tables: Any, points: Array, pose: Array, command: Array) -> float:
+def printed_step(scheme: Records, tables: Any, points: Array, pose: Array, command: Array) -> float:
     """One printed step from Python: changes the tracking command; returns F."""
     command[0], command[1], f = printed(scheme[0], tables, points, pose, command[0], command[1])
     return f
@@ -76,7 +77,7 @@ def forecast(track: Track, k: int, pose: Array, mind: Any, points: Array, time: 
 
 
 @njit(cache=True)
-def _project(rows: Array, k: int, most: int, pose: Array) -> int:
+def _project(rows: Records, k: int, most: int, pose: Array) -> int:
     """Index from k to k + most at which the reference is nearest to the robot."""
     best, at = np.inf, k
     for i in range(k, min(k + most, rows.shape[0] - 1) + 1):
@@ -252,7 +253,14 @@ def safe(scheme: Any, mind: Any, track: Track, tables: Any, points: Array, pose:
 
 @njit(cache=True)
 def safe_step(
-    scheme: Array, mind: Array, gains: Array, memory: Array, rows: Array, tables: Any, points: Array, pose: Array
+    scheme: Records,
+    mind: Records,
+    gains: Records,
+    memory: Records,
+    rows: Records,
+    tables: Any,
+    points: Array,
+    pose: Array,
 ) -> None:
     """One safe step from Python, limits included: the command is left in the mind."""
     track, m, law_memory = Track(gains[0], memory, rows), mind[0], memory[0]
@@ -301,7 +309,7 @@ def _move(pose: Array, v: float, omega: float, dt: float, by_euler: bool, middle
 
 @njit(cache=True)
 def lap(
-    schemes: Any, minds: Array, gains: Array, memory: Array, rows: Array, tables: Any, scene: Scene, made: Made
+    schemes: Any, minds: Records, gains: Records, memory: Records, rows: Records, tables: Any, scene: Scene, made: Made
 ) -> int:
     """A whole run round one block; fills what is made and returns the steps.
 
@@ -331,7 +339,7 @@ def lap(
         log.braked, log.clearance, log.predicted = mind.braked, clearance, mind.predicted
         if clearance <= 0.0:
             return i + 1
-    return made.commands.shape[0]
+    return len(made.commands)
 
 
 def _warm() -> None:

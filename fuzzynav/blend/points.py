@@ -29,7 +29,7 @@ def nearest_on(block: Array, x: float, y: float, out: Array) -> float:
     a, b = clip(u, -wide, wide), clip(v, -high, high)
     out[0], out[1], out[2], out[3] = x0 + c * a - s * b, y0 + s * a + c * b, 0.0, 0.0
     across, up = abs(u) - wide, abs(v) - high
-    return np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0)
+    return float(np.hypot(max(across, 0.0), max(up, 0.0)) + min(max(across, up), 0.0))
 
 
 @njit(cache=True)
@@ -52,7 +52,7 @@ def gap(points: Array, x: float, y: float, t: float) -> float:
     for i in range(points.shape[0]):
         dx, dy = points[i, 0] + t * points[i, 2] - x, points[i, 1] + t * points[i, 3] - y
         best = min(best, dx * dx + dy * dy)
-    return np.sqrt(best)
+    return float(np.sqrt(best))
 
 
 @njit(cache=True)

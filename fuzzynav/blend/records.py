@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzynav.geometry import Array
+from fuzzynav.tracking.records import Records
 
 __all__ = ["LOG", "MIND", "PRINTED", "SAFE", "Made", "Scene", "Track"]
 
@@ -70,8 +71,8 @@ class Track(NamedTuple):
     """The tracking law inside a blend: its gains (one record), its memory (an array of one), and the reference."""
 
     gains: Any
-    memory: Array
-    rows: Array
+    memory: Records
+    rows: Records
 
 
 class Scene(NamedTuple):
@@ -90,4 +91,4 @@ class Made(NamedTuple):
 
     poses: Array  # (n + 1, 3)
     commands: Array  # (n, 2)
-    log: Array  # (n,) LOG records
+    log: Records  # (n,) LOG records

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,16 +12,16 @@ from fuzzynav.blend.records import PRINTED, SAFE
 from fuzzynav.blend.rules import reach_of
 from fuzzynav.checks import positive_fields
 from fuzzynav.fuzzy import FuzzySystem
-from fuzzynav.geometry import Array
+from fuzzynav.tracking.records import Records
 
 __all__ = ["PrintedScheme", "SafeScheme"]
 
 
-def filled(record: np.dtype[Any], values: object, **more: float) -> Array:
+def filled(record: np.dtype[Any], values: object, more: Mapping[str, float] | None = None) -> Records:
     """An array of one record with the fields of an object, and what is given beside them."""
     made = np.zeros(1, record)
     for name in record.names or ():
-        made[name] = more[name] if name in more else getattr(values, name)
+        made[name] = more[name] if more and name in more else getattr(values, name)
     return made
 
 
@@ -42,7 +43,7 @@ class PrintedScheme:
             raise ValueError(f"gate in (0, pi], d0 and turn positive, keep_speed in 0 to 1, got {self}")
 
     @property
-    def record(self) -> Array:
+    def record(self) -> Records:
         """The values as the kernels read them: an array of one record."""
         return filled(PRINTED, self)
 
@@ -82,7 +83,7 @@ class SafeScheme:
         if self.leave < self.enter:
             raise ValueError(f"leave must not be below enter, or the gate would chatter: {self.leave} < {self.enter}")
 
-    def record(self, system: FuzzySystem, radius: float) -> Array:
+    def record(self, system: FuzzySystem, radius: float) -> Records:
         """The values as the kernels read them, with the reach of the rule base and the robot's radius [m]."""
         floor, ceiling = reach_of(system)
-        return filled(SAFE, self, floor=floor, ceiling=ceiling, radius=radius)
+        return filled(SAFE, self, {"floor": floor, "ceiling": ceiling, "radius": radius})

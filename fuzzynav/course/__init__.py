@@ -1,8 +1,8 @@
-"""The course around the algorithms: sources shown, exercises, hints, solutions, handout and grading."""
+"""The course around the algorithms: sources, exercises, hints, solutions, answers to labs, handout and grading."""
 
-from fuzzynav.course.chapters import chapters
 from fuzzynav.course.exercise import Exercise, Outcome, Wrong
-from fuzzynav.course.reader import all_exercises, check, hint, items, show, solution
+from fuzzynav.course.overview import chapters
+from fuzzynav.course.reader import all_answers, all_exercises, answer, check, hint, items, show, solution
 from fuzzynav.course.readiness import ready
 
 __all__ = [
@@ -10,8 +10,10 @@ __all__ = [
     "Outcome",
     "Wrong",
     "chapters",
-    "check",
+    "all_answers",
     "all_exercises",
+    "answer",
+    "check",
     "hint",
     "items",
     "ready",

@@ -11,18 +11,21 @@ from pathlib import Path
 from tqdm import tqdm
 
 from fuzzynav.course.folders import course_root
-from fuzzynav.course.grading import grade_folder, list_tasks, write_grades
+from fuzzynav.course.grading import Grade, GradeFile, grade_folder, list_tasks
 from fuzzynav.course.handout import reset, write_handout
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one verb; 0 on success, 2 with one line on stderr otherwise."""
+    """Run one verb; 0 on success, 2 (130 if interrupted) with one line on stderr otherwise."""
     options = _parser().parse_args(arguments)
     try:
         options.verb(options)
     except (OSError, ValueError) as error:
         print(f"fuzzynav: {error}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print("fuzzynav: interrupted; what was finished is kept", file=sys.stderr)
+        return 130
     return 0
 
 
@@ -34,6 +37,7 @@ def _parser() -> argparse.ArgumentParser:
     handout.set_defaults(verb=_handout)
     grade = verbs.add_parser("grade", help="grade FOLDER/STUDENT/NN_*.ipynb into a CSV")
     grade.add_argument("folder", type=Path)
+    grade.add_argument("--notebook", default="", metavar="05", help="only the notebooks of this chapter")
     grade.add_argument("--out", type=Path, default=Path("grades.csv"), help="file to write (grades.csv)")
     grade.add_argument("--seconds", type=int, default=60, help="time limit for each cell (60)")
     grade.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="notebooks at once (one a core)")
@@ -52,10 +56,19 @@ def _handout(options: argparse.Namespace) -> None:
 
 def _grade(options: argparse.Namespace) -> None:
     root = course_root()
-    count = len(list(list_tasks(root, options.folder)))
+    count = len(list_tasks(root, options.folder, options.notebook))
+    file = GradeFile(options.out)
+    if file.kept:
+        print(f"the older {options.out.name} is kept as {file.kept.name}")
     with tqdm(total=count, desc="grading", unit="notebook", file=sys.stdout, disable=None) as bar:
-        grades = grade_folder(root, options.folder, seconds=options.seconds, jobs=options.jobs, progress=bar.update)
-    write_grades(grades, options.out)
+
+        def report(grades: list[Grade]) -> None:
+            file.append(grades)
+            bar.update(1)
+
+        limits = {"chapter": options.notebook, "seconds": options.seconds, "jobs": options.jobs}
+        grades = grade_folder(root, options.folder, report=report, **limits)
+    file.replace(grades)
     students = len({grade.student for grade in grades})
     print(f"{students} students, {len(grades)} exercises: {options.out}")
 

@@ -1,44 +1,48 @@
-"""Grading: students' notebooks run with the untouched check cells, each with a time limit."""
+"""Grading: students' notebooks run with the untouched check cells, each with a time limit, away from the course."""
 
 from __future__ import annotations
 
 import csv
-import io
-import json
 import os
 import shutil
-import subprocess
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+import threading
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import nbformat
-from jupyter_client.manager import AsyncKernelManager
-from nbclient import NotebookClient
-from nbclient.exceptions import CellTimeoutError, DeadKernelError
 from nbformat import NotebookNode
 
-from fuzzynav.course.exercise import Exercise
-from fuzzynav.course.folders import notebooks_of, write_whole
+from fuzzynav.course.execution import Stopped, end_all, run_cells
+from fuzzynav.course.handins import Reference, choose, hand_ins, read_cells, references
 from fuzzynav.course.handout import exercise_tag
 from fuzzynav.course.reader import GRADE_MIME, all_exercises
+from fuzzynav.lab.plain import Guard, plain_words
+from fuzzynav.stale import PACKAGE
 
-__all__ = ["Grade", "grade_folder", "grade_notebook", "prepare", "write_grades"]
+__all__ = ["Grade", "GradeFile", "Task", "grade_folder", "grade_notebook", "list_tasks", "prepare"]
 
-PREFIX = "from fuzzynav import course\n"  # a notebook may have given the name `course` to something else
+# the course anew: a notebook may have put something else in the place of its functions
+PREFIX = """import sys as _sys
+for _name in [n for n in _sys.modules if n == "fuzzynav.course" or n.startswith("fuzzynav.course.")]:
+    del _sys.modules[_name]
+import fuzzynav.course as course
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Grade:
-    """One line of the result: who, which exercise, how many points, and why."""
+    """One line of the result: who, which exercise, how many points of how many, why, and what the grader noticed."""
 
     student: str
     exercise: str
     points: int
+    of: int
     sentence: str
+    remark: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,159 +51,214 @@ class Task:
 
     student: str
     path: Path | None
-    reference: dict[str, Any]
-    exercises: tuple[Exercise, ...]
+    reference: Reference
+    remark: str = ""
+
+
+class GradeFile:
+    """A CSV of grades: rows are there as soon as they are known, an older file is kept under a number.
+
+    The columns are the fields of Grade. What a spreadsheet would take for a formula begins with an apostrophe.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path, self.kept = path, self._keep_old(path)
+        self._write("w", [[f.name for f in fields(Grade)]])
+
+    def append(self, grades: Iterable[Grade]) -> None:
+        """Add rows at the end."""
+        self._write("a", [[harmless(value) for value in astuple(grade)] for grade in grades])
+
+    def replace(self, grades: Iterable[Grade]) -> None:
+        """Write the rows anew, in this order; whole or not at all."""
+        fresh = GradeFile.__new__(GradeFile)
+        fresh.path = self.path.with_name(self.path.name + ".new")
+        fresh._write("w", [[f.name for f in fields(Grade)]])
+        fresh.append(grades)
+        os.replace(fresh.path, self.path)
+
+    def _write(self, mode: str, rows: Sequence[Sequence[object]]) -> None:
+        with self.path.open(mode, encoding="utf-8", newline="") as stream:
+            csv.writer(stream, lineterminator="\n").writerows(rows)
+
+    @staticmethod
+    def _keep_old(path: Path) -> Path | None:
+        if not path.exists():
+            return None
+        number = 1
+        while (kept := path.with_name(f"{path.stem}.{number}{path.suffix}")).exists():
+            number += 1
+        path.rename(kept)
+        return kept
+
+
+def harmless(value: object) -> object:
+    """A cell that no spreadsheet takes for a formula.
+
+    >>> harmless("=1+1"), harmless("ann"), harmless(-1)
+    ("'=1+1", 'ann', -1)
+    """
+    return "'" + value if isinstance(value, str) and value.lstrip()[:1] in ("=", "+", "-", "@") else value
 
 
 def grade_folder(
-    root: Path, handed_in: Path, *, seconds: int = 60, jobs: int = 1, progress: Callable[[int], object] | None = None
+    root: Path,
+    handed_in: Path,
+    *,
+    chapter: str = "",
+    seconds: int = 60,
+    jobs: int = 1,
+    report: Callable[[list[Grade]], object] | None = None,
 ) -> list[Grade]:
-    """Grades of every `handed_in/<student>/NN_*.ipynb`, by student and exercise.
+    """Grades of every notebook of a chapter ('' for all) in `handed_in/<student>/`, by student and exercise.
 
-    `seconds` limits each cell. `progress` is called with 1 after each notebook. Raises
-    FileNotFoundError if the folder is missing, ValueError if it holds no students' folders.
+    `seconds` limits each cell; `report` gets the grades of each notebook as soon as they are known. Raises
+    FileNotFoundError if the folder is missing, ValueError if it holds no hand-ins or the chapter has no exercises.
     """
-    tasks = list(list_tasks(root, handed_in))
+    tasks = list_tasks(root, handed_in, chapter)
     grades: list[Grade] = []
-    with ThreadPoolExecutor(max_workers=max(1, jobs)) as pool:
-        running = [pool.submit(_grade_task, root, task, seconds) for task in tasks]
+    stop = threading.Event()
+    pool = ThreadPoolExecutor(max_workers=max(1, jobs))
+    guarded = {path: path.read_bytes() for path in PACKAGE.rglob("*.py")}
+    try:
+        running = [pool.submit(_grade_task, root, task, seconds, stop) for task in tasks]
         for future in as_completed(running):
-            grades += future.result()
-            if progress is not None:
-                progress(1)
+            done = _restored(future.result(), guarded)
+            grades += done
+            if report is not None:
+                report(done)
+    finally:
+        stop.set()
+        end_all()
+        pool.shutdown(cancel_futures=True)
     order = {name: k for k, name in enumerate(all_exercises())}
     return sorted(grades, key=lambda g: (g.student, order[g.exercise]))
 
 
-def list_tasks(root: Path, handed_in: Path) -> Iterator[Task]:
-    """Everything there is to grade: each student and each notebook that has exercises."""
-    if not handed_in.is_dir():
-        raise FileNotFoundError(f"there is no folder {handed_in.name}; it must hold one folder for each student")
-    students = sorted(p for p in handed_in.iterdir() if p.is_dir() and not p.name.startswith("."))
-    if not students:
-        raise ValueError(f"{handed_in.name} holds no folders; it must hold one folder for each student")
-    known = all_exercises()
-    for path in notebooks_of(root):
-        reference = json.loads(path.read_text(encoding="utf-8"))
-        names = [name for cell in reference["cells"] if (name := exercise_tag(cell, "check"))]
-        if not names:
-            continue
-        group = tuple(known[name] for name in names)
-        for student in students:
-            found = sorted(student.rglob(path.name))
-            yield Task(student.name, found[0] if found else None, reference, group)
+def list_tasks(root: Path, handed_in: Path, chapter: str = "") -> list[Task]:
+    """Everything there is to grade: each student and each notebook of the chapter that has exercises."""
+    asked, students, tasks = references(root, chapter), hand_ins(handed_in), []
+    for reference in asked:
+        for student, files in students.items():
+            choice = choose(files, reference)
+            tasks.append(Task(student, choice.path, reference, choice.remark))
+    return tasks
 
 
-def prepare(handed_in: NotebookNode, reference: dict[str, Any]) -> NotebookNode:
-    """The student's notebook with the untouched check cells in place of whatever stands there.
+def prepare(handed_in: Iterable[NotebookNode], reference: Reference) -> list[NotebookNode]:
+    """The student's code cells with the untouched check cells in place of whatever stands there.
 
-    A check cell goes where the student's own stands, else behind the exercise, else at the end.
+    The set-up cell of the course comes first. A check cell goes where the student's own stands, else behind the
+    exercise, else at the end; all run once more at the very end, for answers written below them.
     """
-    checks = {name: cell for cell in reference["cells"] if (name := exercise_tag(cell, "check"))}
-    kept: list[NotebookNode] = []
-    for cell in handed_in.cells:
+    checks = {name: _source(cell) for cell in reference.cells if (name := exercise_tag(cell, "check"))}
+    left, kept = dict(checks), []
+    for cell in handed_in:
         name = exercise_tag(cell, "check")
-        if name in checks:
-            kept.append(_check_cell(name, checks.pop(name)["source"]))
+        if name in left:
+            kept.append(_check_cell("check", name, left.pop(name)))
         elif not name:
             kept.append(cell)
-    for name, cell in checks.items():
+    for name, source in left.items():
         places = [k for k, c in enumerate(kept) if exercise_tag(c, "exercise") == name]
-        kept.insert(places[-1] + 1 if places else len(kept), _check_cell(name, cell["source"]))
-    return nbformat.v4.new_notebook(cells=kept)
+        kept.insert(places[-1] + 1 if places else len(kept), _check_cell("check", name, source))
+    first = next((_source(c) for c in reference.cells if c["cell_type"] == "code" and not _tagged(c)), "")
+    again = [_check_cell("again", name, source) for name, source in checks.items()]
+    return [nbformat.v4.new_code_cell(first), *kept, *again]
 
 
-def grade_notebook(notebook: NotebookNode, names: Iterable[str], folder: Path, seconds: int) -> dict[str, Grade]:
-    """Grades by exercise of a prepared notebook run in `folder`; student is left empty.
+def grade_notebook(
+    cells: list[NotebookNode],
+    reference: Reference,
+    folder: Path,
+    seconds: int,
+    stop: threading.Event | None = None,
+) -> list[Grade]:
+    """Grades of the prepared cells run in `folder`; student is left empty.
 
-    A cell that crashes the kernel or runs too long is taken out, costs its own exercise, and the
+    A cell that crashes the kernel, runs too long or prints without end is taken out, costs its own exercise, and the
     rest runs again without it.
     """
     lost: dict[str, str] = {}
-    cells = list(notebook.cells)
+    cells = list(cells)
+    run: list[NotebookNode] = []
     for _ in range(len(cells) + 1):
-        run = nbformat.v4.new_notebook(cells=[nbformat.from_dict(dict(c)) for c in cells])
-        stopped, reason = _run(run, folder, seconds)
+        if stop is not None and stop.is_set():
+            break
+        run = [nbformat.v4.new_code_cell(c.source, metadata=dict(c.metadata)) for c in cells]
+        stopped: Stopped | None = run_cells(run, folder, seconds, stop)
         if stopped is None:
             break
-        name = exercise_tag(cells[stopped], "exercise", "check")
+        name = exercise_tag(cells[stopped.index], "exercise", "check")
         if name:
-            lost[name] = reason
-        cells.pop(stopped)
-    return {name: _read(run, name, lost.get(name)) for name in names}
+            lost[name] = stopped.reason
+        cells.pop(stopped.index)
+    return [read_grade(run, e.id, e.points, lost.get(e.id)) for e in reference.exercises]
 
 
-def write_grades(grades: Iterable[Grade], path: Path) -> None:
-    """Write grades as CSV with the columns student, exercise, points, sentence; whole or not at all."""
-    stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow([f.name for f in fields(Grade)])
-    writer.writerows(astuple(grade) for grade in grades)
-    write_whole(path, stream.getvalue())
+def read_grade(run: Iterable[NotebookNode], name: str, of: int, lost: str | None = None) -> Grade:
+    """The better of what the two runs of a check said; never more than the exercise is worth."""
+    if lost is not None:
+        return Grade("", name, 0, of, f"Exercise {name}: not yet. The answer did not finish: {lost}.")
+    said: list[Grade] = []
+    for cell in run:
+        if exercise_tag(cell, "check", "again") == name:
+            said += _said(cell.get("outputs", []), name, of)
+    fallback = Grade("", name, 0, of, f"Exercise {name}: the check gave no result.")
+    return max(said, key=lambda grade: grade.points, default=fallback)
 
 
-def _grade_task(root: Path, task: Task, seconds: int) -> list[Grade]:
-    names = [exercise.id for exercise in task.exercises]
+def _said(outputs: Iterable[Any], name: str, of: int) -> list[Grade]:
+    for output in outputs:
+        record = output.get("data", {}).get(GRADE_MIME)
+        if isinstance(record, dict) and record.get("exercise") == name and record.get("points") in range(of + 1):
+            return [Grade("", name, int(record["points"]), of, str(record.get("sentence")))]
+    errors = [o for o in outputs if o.get("output_type") == "error"]
+    why = f"{errors[-1].ename}: {errors[-1].evalue}" if errors else ""
+    return [Grade("", name, 0, of, f"Exercise {name}: not yet. The answer is missing ({why}).")] if errors else []
+
+
+def _grade_task(root: Path, task: Task, seconds: int, stop: threading.Event) -> list[Grade]:
+    def nothing(why: str) -> list[Grade]:
+        return [
+            Grade(task.student, e.id, 0, e.points, f"Exercise {e.id}: {why}.", task.remark)
+            for e in task.reference.exercises
+        ]
+
     if task.path is None:
-        return [Grade(task.student, name, 0, f"Exercise {name}: no notebook handed in.") for name in names]
-    try:
-        notebook = nbformat.read(task.path, as_version=4)
-    except (nbformat.reader.NotJSONError, nbformat.ValidationError, UnicodeDecodeError, KeyError, AttributeError):
-        return [Grade(task.student, name, 0, f"Exercise {name}: the notebook cannot be read.") for name in names]
-    with tempfile.TemporaryDirectory(prefix="fuzzynav-grade-") as scratch:
+        return nothing("no notebook handed in")
+    guard = Guard()  # whatever a hand-in does, the others are graded
+    with guard, tempfile.TemporaryDirectory(prefix="fuzzynav-grade-", ignore_cleanup_errors=True) as scratch:
+        cells = prepare(read_cells(task.path), task.reference)
         folder = Path(scratch) / "notebooks"
         folder.mkdir()
         shutil.copytree(root / "data", Path(scratch) / "data")
-        found = grade_notebook(prepare(notebook, task.reference), names, folder, seconds)
-    return [Grade(task.student, name, found[name].points, found[name].sentence) for name in names]
+        shutil.copytree(PACKAGE, Path(scratch) / "fuzzynav")  # no solutions beside it, and nothing to spoil
+        found = grade_notebook(cells, task.reference, folder, seconds, stop)
+        return [replace(grade, student=task.student, remark=task.remark) for grade in found]
+    return nothing(plain_words(guard.error).rstrip(".") if guard.error else "it could not be graded")
 
 
-def _check_cell(name: str, source: str | list[str]) -> NotebookNode:
-    text = source if isinstance(source, str) else "".join(source)
-    cell = nbformat.v4.new_code_cell(PREFIX + text, metadata={"tags": [f"check:{name}"]})
-    cell.id = "check-" + name.replace(".", "-")
-    return cell
+def _restored(grades: list[Grade], guarded: dict[Path, bytes]) -> list[Grade]:
+    """The grades; with a remark if the course's own files had to be put back."""
+    changed = [path for path, text in guarded.items() if not path.exists() or path.read_bytes() != text]
+    for path in changed:
+        path.write_bytes(guarded[path])
+    if not changed:
+        return grades
+    note = f"files of the course were changed while this ran and were put back: {', '.join(p.name for p in changed)}"
+    return [replace(g, remark="; ".join(filter(None, (g.remark, note)))) for g in grades]
 
 
-def _run(notebook: NotebookNode, folder: Path, seconds: int) -> tuple[int | None, str]:
-    """Run all cells; the index of a cell that stopped the run and why, or None."""
-    manager = AsyncKernelManager(kernel_name="python3")
-    client = NotebookClient(
-        notebook,
-        km=manager,
-        timeout=seconds,
-        allow_errors=True,
-        store_widget_state=False,
-        resources={"metadata": {"path": str(folder)}},
-    )
-    environment = {**os.environ, "FUZZYNAV_GRADE": "1"}
-    index = 0
-    try:
-        with client.setup_kernel(env=environment, stderr=subprocess.DEVNULL):
-            for index, cell in enumerate(notebook.cells):
-                client.execute_cell(cell, index)
-    except CellTimeoutError:
-        return index, f"it ran longer than {seconds} s"
-    except DeadKernelError:
-        return index, "it ended Python"
-    return None, ""
+def _tagged(cell: dict[str, Any]) -> bool:
+    return bool(exercise_tag(cell, "exercise", "check"))
 
 
-def _read(run: NotebookNode, name: str, lost: str | None) -> Grade:
-    if lost is not None:
-        return Grade("", name, 0, f"Exercise {name}: not yet. The answer did not finish: {lost}.")
-    for cell in run.cells:
-        if cell.cell_type == "code" and exercise_tag(cell, "check") == name:
-            for output in cell.outputs:
-                record = output.get("data", {}).get(GRADE_MIME)
-                if record and record["exercise"] == name:
-                    return Grade("", name, int(record["points"]), str(record["sentence"]))
-            errors = [o for o in cell.outputs if o.output_type == "error"]
-            if errors:
-                return Grade(
-                    "",
-                    name,
-                    0,
-                    f"Exercise {name}: not yet. The answer is missing ({errors[-1].ename}: {errors[-1].evalue}).",
-                )
-    return Grade("", name, 0, f"Exercise {name}: the check gave no result.")
+def _source(cell: dict[str, Any]) -> str:
+    source = cell["source"]
+    return source if isinstance(source, str) else "".join(source)
+
+
+def _check_cell(kind: str, name: str, source: str) -> NotebookNode:
+    made: NotebookNode = nbformat.v4.new_code_cell(PREFIX + source, metadata={"tags": [f"{kind}:{name}"]})
+    return made

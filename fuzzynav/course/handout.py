@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import tempfile
@@ -12,9 +13,9 @@ from typing import Any
 
 from fuzzynav.course.folders import PRISTINE, notebooks_of, write_whole
 
-__all__ = ["pristine", "reset", "student_notebook", "write_handout"]
+__all__ = ["pristine", "reset", "student_notebook", "student_readme", "write_handout"]
 
-FOLDERS = ("fuzzynav", "data")
+FOLDERS = ("fuzzynav", "data", "tools", "docs")
 FILES = ("Makefile", "README.md", "LICENSE", "CITATION.cff", "pyproject.toml", "constraints.txt", "environment.yml")
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.egg-info", ".ipynb_checkpoints", "*.pyc", "*.nbi", "*.nbc")
 
@@ -33,11 +34,17 @@ def write_handout(root: Path, target: Path) -> Path:
 
 def student_notebook(path: Path) -> dict[str, Any]:
     """A notebook as students get it: exercise and check cells without outputs, no word of who answered what."""
-    notebook = json.loads(path.read_text(encoding="utf-8"))
+    notebook: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     for cell in notebook["cells"]:
         if cell["cell_type"] == "code" and exercise_tag(cell, "exercise", "check"):
             cell["outputs"], cell["execution_count"] = [], None
     return notebook
+
+
+def student_readme(text: str) -> str:
+    """README without what a students' edition does not have: tests, solutions, the teacher's verbs."""
+    text = re.sub(r"<!-- not for students -->\n.*?<!-- /not for students -->\n+", "", text, flags=re.S)
+    return re.sub(r"(?m)^make test .*\n", "", text).replace("## Two commands", "## One command")
 
 
 def exercise_tag(cell: dict[str, Any], *kinds: str) -> str:
@@ -45,7 +52,7 @@ def exercise_tag(cell: dict[str, Any], *kinds: str) -> str:
     for tag in cell.get("metadata", {}).get("tags", []):
         kind, _, name = tag.partition(":")
         if kind in kinds:
-            return name
+            return str(name)
     return ""
 
 
@@ -76,18 +83,20 @@ def reset(root: Path, chapter: str) -> list[tuple[Path, Path | None]]:
     done = []
     for name in names:
         text, path = pristine(root, name), root / "notebooks" / name
-        backup = _back_up(path) if path.exists() and path.read_text(encoding="utf-8") != text else None
+        backup = _back_up(path) if path.exists() and path.read_bytes() != text.encode() else None
         write_whole(path, text)
         done.append((path, backup))
     return done
 
 
 def _fill(root: Path, fresh: Path) -> None:
-    for folder in FOLDERS:
+    for folder in (name for name in FOLDERS if (root / name).is_dir()):
         shutil.copytree(root / folder, fresh / folder, ignore=LEFT_OUT)
     for name in FILES:
         if (root / name).is_file():
             shutil.copy2(root / name, fresh / name)
+    if (fresh / "README.md").exists():
+        write_whole(fresh / "README.md", student_readme((fresh / "README.md").read_text(encoding="utf-8")))
     copies = fresh / "notebooks" / PRISTINE
     copies.mkdir(parents=True)
     for path in notebooks_of(root):

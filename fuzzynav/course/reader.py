@@ -1,25 +1,43 @@
-"""What a notebook calls: show a source, check an answer, give a hint, open a solution."""
+"""What a notebook calls: show a source, check an answer, give a hint, open a solution, unfold the answer to a lab."""
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import inspect
 import os
 import pkgutil
 import re
+import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from IPython.display import display
 
+import fuzzynav.course.answers
 import fuzzynav.course.exercises
 from fuzzynav import published
+from fuzzynav.course.answers.answer import Answer, Folded
 from fuzzynav.course.exercise import Exercise, Outcome, judge
 from fuzzynav.course.folders import solutions_folder
 
-__all__ = ["GRADE_MIME", "Source", "all_exercises", "check", "hint", "items", "show", "solution"]
+__all__ = [
+    "GRADE_MIME",
+    "Line",
+    "Source",
+    "all_answers",
+    "all_exercises",
+    "answer",
+    "check",
+    "hint",
+    "items",
+    "show",
+    "solution",
+    "source_of",
+]
 
 GRADE_MIME = "application/vnd.fuzzynav.grade+json"
 
@@ -48,28 +66,52 @@ class Line:
         return self.text
 
 
-def show(*objects: Any) -> Source:
-    """The source of functions, classes or modules of the package, as it is installed.
+def show(*objects: Any) -> None:
+    """Display the source of functions, classes or modules of the package, as it is installed, wherever the call stands.
 
-    Raises ValueError for an object that has no Python source.
+    A compiled function shows the Python that was compiled. Raises ValueError for an object that has no Python source.
     """
+    display(source_of(*objects))
+
+
+def source_of(*objects: Any) -> Source:
+    """The source that `show` displays, titled with file and name: `fuzzynav/robot/model.py: move`."""
     if not objects:
         raise ValueError("say what to show, for example course.show(robot.move)")
     texts = [_source(thing) for thing in objects]
-    return Source("\n\n\n".join(texts), ", ".join(_title(thing) for thing in objects))
+    files: dict[str, list[str]] = {}
+    for thing in objects:
+        file, name = _title(thing)
+        files.setdefault(file, []).append(name)
+    title = "; ".join(f"{file}: {', '.join(names)}".removesuffix(": ") for file, names in files.items())
+    return Source("\n\n\n".join(texts), title)
 
 
 def all_exercises() -> dict[str, Exercise]:
     """Every exercise of the chapters present, by id, in order."""
     found: dict[str, Exercise] = {}
-    names = sorted(m.name for m in pkgutil.iter_modules(fuzzynav.course.exercises.__path__))
-    for name in names:
-        if re.fullmatch(r"ch\d\d[ab]?", name):
-            for exercise in importlib.import_module(f"fuzzynav.course.exercises.{name}").EXERCISES:
-                if exercise.id in found:
-                    raise ValueError(f"exercise {exercise.id} is defined twice")
-                found[exercise.id] = exercise
+    for module in _chapters(fuzzynav.course.exercises):
+        for exercise in module.EXERCISES:
+            if exercise.id in found:
+                raise ValueError(f"exercise {exercise.id} is defined twice")
+            found[exercise.id] = exercise
     return found
+
+
+def all_answers() -> dict[str, Answer]:
+    """The answer to every lab question of the chapters present, by id, in order."""
+    found: dict[str, Answer] = {}
+    for module in _chapters(fuzzynav.course.answers):
+        for one in module.ANSWERS:
+            if one.id in found:
+                raise ValueError(f"the answer {one.id} is defined twice")
+            found[one.id] = one
+    return found
+
+
+def _chapters(package: ModuleType) -> list[ModuleType]:
+    names = sorted(m.name for m in pkgutil.iter_modules(package.__path__))
+    return [importlib.import_module(f"{package.__name__}.{n}") for n in names if re.fullmatch(r"ch\d\d[ab]?", n)]
 
 
 def check(exercise_id: str, answer: Any) -> Outcome:
@@ -88,12 +130,23 @@ def check(exercise_id: str, answer: Any) -> Outcome:
 
 
 def hint(exercise_id: str, number: int = 1) -> Line:
-    """Hint `number` of an exercise; raises ValueError if there is no such hint."""
-    hints = _exercise(exercise_id).hints
-    if not 1 <= number <= len(hints):
-        raise ValueError(f"exercise {exercise_id} has hints 1 to {len(hints)}, not {number}")
-    follow = f'next: course.hint("{exercise_id}", {number + 1})' if number < len(hints) else "the last hint"
-    return Line(f"Hint {number} of {len(hints)} ({follow}): {hints[number - 1]}")
+    """Hint `number` of an exercise, or a sentence that there is no such hint or no such exercise."""
+    exercise = all_exercises().get(exercise_id)
+    if exercise is None:
+        return Line(_unknown("exercise", exercise_id, all_exercises()))
+    count = len(exercise.hints)
+    if number not in range(1, count + 1):
+        numbers = "1" if count == 1 else f"1 to {count}"
+        last = f'; after the last one comes course.solution("{exercise_id}")'
+        return Line(f"Exercise {exercise_id} has the hint{'s' * (count > 1)} {numbers}, not {number!r}{last}.")
+    follow = f'next: course.hint("{exercise_id}", {number + 1})' if number < count else "the last hint"
+    return Line(f"Hint {number} of {count} ({follow}): {exercise.hints[number - 1]}")
+
+
+def answer(answer_id: str) -> Folded | Line:
+    """The answer to a lab's question, folded; or a sentence that names the nearest ones."""
+    found = all_answers().get(answer_id)
+    return found.folded() if found else Line(_unknown("answer", answer_id, all_answers()))
 
 
 def items(notebook: str) -> published.Table:
@@ -109,13 +162,17 @@ def items(notebook: str) -> published.Table:
 
 def solution(exercise_id: str) -> Source | Line:
     """The worked solution of an exercise, or a sentence that this edition holds none."""
-    _exercise(exercise_id)
+    if exercise_id not in all_exercises():
+        return Line(_unknown("exercise", exercise_id, all_exercises()))
     folder = solutions_folder()
     for file in sorted(folder.glob("*.py")) if folder else []:
         blocks = solution_blocks(file)
         if exercise_id in blocks:
             return Source(blocks[exercise_id], f"a solution of exercise {exercise_id}")
-    return Line(f"The solution of exercise {exercise_id} is not part of this edition; ask your teacher.")
+    return Line(
+        f"The solution of exercise {exercise_id} is not part of this edition: the students' edition comes without "
+        f'solutions. Ask your teacher, or take course.hint("{exercise_id}").'
+    )
 
 
 def solution_blocks(file: Path) -> dict[str, str]:
@@ -127,9 +184,16 @@ def solution_blocks(file: Path) -> dict[str, str]:
 def _exercise(exercise_id: str) -> Exercise:
     found = all_exercises()
     if exercise_id not in found:
-        known = ", ".join(found) or "none yet"
-        raise ValueError(f"there is no exercise '{exercise_id}'; there are: {known}")
+        raise ValueError(_unknown("exercise", exercise_id, found))
     return found[exercise_id]
+
+
+def _unknown(kind: str, name: object, known: Iterable[str]) -> str:
+    """A sentence that there is no such id, with those of its chapter, else the nearest, else all."""
+    names = list(known)
+    same = [n for n in names if n.split(".")[0] == str(name).split(".")[0]]
+    near = same or difflib.get_close_matches(str(name), names, n=5, cutoff=0.5) or names
+    return f"there is no {kind} {name!r}; there are: {', '.join(near) or 'none yet'}"
 
 
 def _source(thing: Any) -> str:
@@ -140,8 +204,14 @@ def _source(thing: Any) -> str:
     return textwrap.dedent(inspect.getsource(plain)).rstrip()
 
 
-def _title(thing: Any) -> str:
+def _title(thing: Any) -> tuple[str, str]:
+    """The file of a thing within the package, and its name there ('' for a whole module)."""
     if inspect.ismodule(thing):
-        return thing.__name__
-    plain: Any = thing.fget if isinstance(thing, property) else thing
-    return f"{plain.__module__}.{plain.__qualname__}"
+        return _file(thing.__name__), ""
+    plain: Any = thing.fget if isinstance(thing, property) else getattr(thing, "py_func", thing)
+    return _file(plain.__module__), plain.__qualname__
+
+
+def _file(module: str) -> str:
+    package = hasattr(sys.modules[module], "__path__")
+    return module.replace(".", "/") + ("/__init__.py" if package else ".py")

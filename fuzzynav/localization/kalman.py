@@ -165,7 +165,10 @@ def ellipse(mean: ArrayLike, covariance: ArrayLike, probability: float = 0.95, n
     values, vectors = np.linalg.eigh(np.asarray(covariance, dtype=float)[:2, :2])
     t = np.linspace(0.0, 2.0 * np.pi, n)
     circle = np.sqrt(chi2.ppf(probability, 2)) * np.stack([np.cos(t), np.sin(t)])
-    return np.asarray(mean, dtype=float)[:2] + (vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)).T
+    found: Array = (
+        np.asarray(mean, dtype=float)[:2] + (vectors @ (np.sqrt(np.maximum(values, 0.0))[:, None] * circle)).T
+    )
+    return found
 
 
 # --- landmarks and the extended Kalman filter --------------------------------------------------
@@ -316,7 +319,8 @@ def nees(truth: ArrayLike, means: ArrayLike, covariances: ArrayLike) -> Array:
     cov = np.asarray(covariances, dtype=float)
     if np.any(np.linalg.matrix_rank(cov) < error.shape[-1]):
         raise ValueError("a covariance is singular: start from a belief with some doubt in x, y and heading")
-    return np.einsum("...i,...i->...", error, np.linalg.solve(cov, error[..., None])[..., 0])
+    found: Array = np.einsum("...i,...i->...", error, np.linalg.solve(cov, error[..., None])[..., 0])
+    return found
 
 
 def nees_bounds(runs: int, probability: float = 0.95, dimensions: int = 3) -> tuple[float, float]:

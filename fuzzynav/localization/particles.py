@@ -253,7 +253,8 @@ def low_variance_resample(weights: ArrayLike, rng: Generator) -> NDArray[np.int6
     n = len(w)
     teeth = (rng.random() + np.arange(n)) / n
     total = np.cumsum(w)
-    return np.minimum(np.searchsorted(total, teeth * total[-1], side="right"), n - 1)
+    found: NDArray[np.int64] = np.minimum(np.searchsorted(total, teeth * total[-1], side="right"), n - 1)
+    return found
 
 
 def recovery_share(swarm: Swarm) -> float:

@@ -68,7 +68,7 @@ class ScanLog:
     @property
     def odometry_edges(self) -> NDArray[np.bool_]:
         """Which edges `(m,)` join a pose to the next one."""
-        return self.edges[:, 1] - self.edges[:, 0] == 1
+        return np.asarray(self.edges[:, 1] - self.edges[:, 0] == 1)
 
 
 @dataclass(slots=True)

@@ -108,7 +108,7 @@ class OccupancyGrid:
     @property
     def seen(self) -> NDArray[np.bool_]:
         """Cells `(rows, cols)` that a beam has told about."""
-        return self.log_odds != 0.0
+        return np.asarray(self.log_odds != 0.0)
 
     def to_gridmap(self, occupied: float = 0.65, free: float = 0.196) -> GridMap:
         """The map decided: occupied above one chance, free below the other, else unknown."""
@@ -167,6 +167,8 @@ def build(
     bounds: ArrayLike | None = None,
 ) -> OccupancyGrid:
     """A map from scans as in `update`; by default just large enough for all poses and measured points."""
+    if not (np.isfinite(resolution) and resolution > 0):
+        raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
     where, told, beams = _scans(poses, ranges, angles)
     return update(
         empty(_around(where, told, beams, sensor.reach, resolution) if bounds is None else bounds, resolution),

@@ -62,7 +62,7 @@ def solve(log: ScanLog, start: ArrayLike | None = None, steps: int = 30, toleran
     """Poses that fit all measured motions best in the least squares sense, by Gauss-Newton; the first pose stays.
 
     `start` is by default `chain(log)`. Ends when no pose moves by more than `tolerance` [m, rad]. A step that would
-    raise the error is halved, at most ten times.
+    raise the error is halved, at most ten times. Raises ValueError if the motions do not tell where every pose is.
     """
     poses = np.array(chain(log) if start is None else start, dtype=float)
     errors, moved = [_error(poses, log)], np.inf
@@ -99,9 +99,11 @@ def _step(poses: Array, log: ScanLog) -> Array:
             blocks.append((log.edges[:, side], log.edges[:, other], weighted @ second))
     normal = _assemble(blocks, 3 * len(poses))[3:, 3:]
     delta = np.zeros(3 * len(poses))
-    delta[3:] = splu(csc_array(normal), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve(
-        -gradient.ravel()[3:]
-    )
+    try:
+        factors = splu(csc_array(normal), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise ValueError(f"the motions of the log do not tell where every pose is: {error}") from error
+    delta[3:] = factors.solve(-gradient.ravel()[3:])
     return delta.reshape(-1, 3)
 
 

@@ -30,7 +30,7 @@ def cells_across(height: float, width: float, resolution: float, limit: int = MA
     """
     if not (np.isfinite(resolution) and resolution > 0):
         raise ValueError(f"resolution must be a positive number of metres, got {resolution}")
-    rows, cols = (max(np.ceil(side / resolution - 1e-9), 1.0) for side in (float(height), float(width)))
+    rows, cols = (max(float(np.ceil(side / float(resolution) - 1e-9)), 1.0) for side in (float(height), float(width)))
     if not rows * cols <= limit:
         raise ValueError(
             f"{rows:.6g} x {cols:.6g} cells of {resolution} m are too many, at most {limit} are made: "
@@ -251,7 +251,7 @@ class GridMap:
             raise ValueError(f"pose must be (3,) or (m, 3) and angles (n,), got {poses.shape} and {beams.shape}")
         if not range_max > 0:
             raise ValueError(f"range_max must be positive metres, got {range_max}")
-        rows = np.atleast_2d(poses)
+        rows, beams = (sealed(np.ascontiguousarray(v).view()) for v in (np.atleast_2d(poses), beams))
         worth = border in self._fields or len(rows) * len(beams) > 2000
         ranges = kernels.cast_rays(
             self.occupied,

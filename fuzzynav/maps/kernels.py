@@ -197,7 +197,7 @@ def _segment_square(ax: float, ay: float, bx: float, by: float, i: int, j: int) 
 @njit(cache=True)
 def _point_square(x: float, y: float, i: int, j: int) -> float:
     """Distance [cells] from a point to the closed square (i, j)."""
-    return np.hypot(max(max(i - x, x - i - 1), 0.0), max(max(j - y, y - j - 1), 0.0))
+    return float(np.hypot(max(max(i - x, x - i - 1), 0.0), max(max(j - y, y - j - 1), 0.0)))
 
 
 @njit(cache=True)
@@ -277,7 +277,7 @@ def distance_at(occupied: Mask, field: Array, x: float, y: float, border: bool) 
                 if 0 <= u < cols and occupied[v, u]:
                     best = min(best, _point_square(x, y, u, v))
         ring += 1
-    return best
+    return float(best)
 
 
 @njit(cache=True)
@@ -295,9 +295,10 @@ def _warm() -> None:
     occupied.setflags(write=False)
     field = distance_field(occupied, True)
     skip = field.astype(np.uint8)
-    for shared in (field, skip):
+    pose, angles = np.array([[0.5, 1.5, 0.0]]), np.zeros(1)
+    for shared in (field, skip, pose, angles):
         shared.setflags(write=False)
-    cast_rays(occupied, skip, framed(1.0, (0.0, 0.0)), np.array([[0.5, 1.5, 0.0]]), np.zeros(1), 5.0, True)
+    cast_rays(occupied, skip, framed(1.0, (0.0, 0.0)), pose, angles, 5.0, True)
     disc_passes(occupied, 0.5, 0.5, 1.5, 2.5, 0.1, True)
     crossed_cells(0.5, 0.5, 1.5, 2.5, EDGE)
     distances_at(occupied, field, np.array([[0.5, 1.5]]), True)

@@ -156,7 +156,7 @@ class SplineCurve(Curve):
         for _ in range(5):
             d1 = self._curve(u, nu=1)
             u = u - (base + self._arc(first, u) - s) / np.hypot(d1[..., 0], d1[..., 1])
-        return u
+        return np.asarray(u)
 
     def derivatives(self, s: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)`; s is held at the ends of the curve."""

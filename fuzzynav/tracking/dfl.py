@@ -133,7 +133,7 @@ def yaw_rate_unguarded(u: ArrayLike, theta: ArrayLike, v: ArrayLike) -> Array:
     """The yaw rate of eq 5.2 without a guard: inf or nan at v = 0, for the picture of the singularity (errata T58)."""
     a, t = np.asarray(u, dtype=float), np.asarray(theta, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):
-        return (a[..., 1] * np.cos(t) - a[..., 0] * np.sin(t)) / np.asarray(v, dtype=float)
+        return np.asarray((a[..., 1] * np.cos(t) - a[..., 0] * np.sin(t)) / np.asarray(v, dtype=float))
 
 
 def flat_state(pose: ArrayLike, v: ArrayLike) -> Array:
@@ -184,7 +184,7 @@ class FlatGains:
                 f"dt = {setting.dt:g} s is too large for these gains: the sampled loop is stable below "
                 f"{largest_step(self):.3g} s; shorten dt or lower the gains"
             )
-        return begin(setting, dfl=self)
+        return begin(setting, "dfl", self)
 
 
 class Dfl(FlatGains):
@@ -226,7 +226,7 @@ def virtual_inputs(z: ArrayLike, z_ref: ArrayLike, u_ref: ArrayLike, gains: Flat
     Source: thesis eq 2.23, 2.25, 5.1.
     """
     gap = np.asarray(z_ref, dtype=float) - np.asarray(z, dtype=float)
-    return np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T
+    return np.asarray(np.asarray(u_ref, dtype=float) + gap @ gain_matrix(gains).T)
 
 
 def compensate(v: float, u: ArrayLike, theta: float, dt: float) -> tuple[float, float]:

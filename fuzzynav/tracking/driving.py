@@ -7,9 +7,10 @@ The laws of the course run compiled; any other law, and whatever has an observer
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav import simulate
 from fuzzynav.geometry import Array
@@ -70,7 +71,7 @@ def follow(
     return replace(run, log={**run.log, "wanted": wanted[: len(run.t)]})
 
 
-def _compiled(code: int, tracker: Tracker, start: Array, plant: Array, given: Given) -> Run:
+def _compiled(code: int, tracker: Tracker, start: Array, plant: NDArray[Any], given: Given) -> Run:
     """The run of a compiled law."""
     steps, state = len(given.noise), tracker.start()
     made = Made(np.empty((steps + 1, 3)), np.empty((steps, 2)), np.empty((steps, 2)))

@@ -13,7 +13,7 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import PLANT, clip, drive, limit, wrap
-from fuzzynav.tracking.records import GAINS, MEMORY, ROW, Given, Made
+from fuzzynav.tracking.records import GAINS, MEMORY, ROW, Given, Made, Records
 
 __all__ = ["horizon", "law", "run", "sampled", "step"]
 
@@ -165,13 +165,14 @@ def law(code: int, gains: Any, memory: Any, pose: Array, row: Any) -> tuple[floa
 
 
 @njit(cache=True)
-def step(code: int, gains: Array, memory: Array, pose: Array, row: Array, out: Array) -> None:
-    """One step from Python: gains and memory are arrays of one record, row of none; changes memory and out (2,)."""
-    out[0], out[1] = law(code, gains[0], memory[0], pose, row[()])
+def step(code: int, gains: Records, memory: Records, after: Records, pose: Array, row: Records, out: Array) -> None:
+    """One step from Python: arrays of one record, the row of no dimension; fills the memory after it and out (2,)."""
+    after[0] = memory[0]
+    out[0], out[1] = law(code, gains[0], after[0], pose, row[()])
 
 
 @njit(cache=True)
-def run(code: int, gains: Array, memory: Array, rows: Array, plant: Array, given: Given, made: Made) -> None:
+def run(code: int, gains: Records, memory: Records, rows: Records, plant: Records, given: Given, made: Made) -> None:
     """A whole run of one law along its rows; fills poses (the first is the start), commands and driven."""
     mine, mind, robot, poses, commands = gains[0], memory[0], plant[0], made.poses, made.commands
     pose, seen, first, wheels = poses[0].copy(), np.empty(3), np.empty(2), np.empty(2)
@@ -239,7 +240,7 @@ def _warm() -> None:
     """Compile every law and the loop with the types used in practice."""
     gains, memory, rows, plant = np.ones(1, GAINS), np.ones(1, MEMORY), np.ones(3, ROW), np.ones(1, PLANT)
     gains["lqr"]["count"] = 1
-    step(KANAYAMA, gains, memory, np.zeros(3), np.asarray(rows[0]), np.zeros(2))
+    step(KANAYAMA, gains, memory, memory.copy(), np.zeros(3), np.asarray(rows[0]), np.zeros(2))
     given = Given(np.zeros((2, 3)), np.zeros((2, 2)), 0, False)
     run(KANAYAMA, gains, memory, rows, plant, given, Made(np.zeros((3, 3)), np.zeros((2, 2)), np.zeros((2, 2))))
     numbers, bounds = np.empty(30), np.zeros((3, 2))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from fuzzynav.geometry import Array
 from fuzzynav.robot import Robot, limits_of
 from fuzzynav.tracking import kernels
-from fuzzynav.tracking.records import GAINS, MEMORY
+from fuzzynav.tracking.records import GAINS, MEMORY, Records
 
 __all__ = ["Law", "Setting", "State"]
 
@@ -35,7 +35,7 @@ class Law(Protocol):
 class Setting:
     """What a law is told before the first step: the rows of the reference, the robot, and the step dt [s]."""
 
-    rows: Array
+    rows: Records
     robot: Robot
     dt: float
 
@@ -44,8 +44,8 @@ class Setting:
 class State:
     """State of a compiled law: its gains and its memory, each an array of one record."""
 
-    gains: Array
-    memory: Array
+    gains: Records
+    memory: Records
 
     def with_rates(self, rates: ArrayLike) -> State:
         """The state with estimated dx/dt and dy/dt [m/s], which the flat laws feed back in place of their own."""
@@ -54,13 +54,12 @@ class State:
         return replace(self, memory=memory)
 
 
-def begin(setting: Setting, **law: object) -> State:
-    """First state of a law; `dfl=law` copies the fields of a law into its part of the record GAINS."""
+def begin(setting: Setting, name: str = "", law: object = None) -> State:
+    """First state of a law, whose fields are copied into the part `name` of the record GAINS."""
     gains, memory = np.zeros(1, GAINS), np.zeros(1, MEMORY)
-    for name, values in law.items():
-        for field in GAINS[name].names or ():
-            value = getattr(values, field)
-            gains[name][field] = np.nan if value is None else value
+    for field in (GAINS[name].names or ()) if name else ():
+        value = getattr(law, field)
+        gains[name][field] = np.nan if value is None else value
     memory["rate_x"] = memory["rate_y"] = np.nan
     memory["dt"], memory["lim"] = setting.dt, limits_of(setting.robot)
     return State(gains, memory)
@@ -68,6 +67,6 @@ def begin(setting: Setting, **law: object) -> State:
 
 def stepped(code: int, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
     """One step of the compiled law `code`."""
-    memory, out = state.memory.copy(), np.zeros(2)
-    kernels.step(code, state.gains, memory, np.asarray(pose, dtype=float), np.asarray(row), out)
-    return out, State(state.gains, memory)
+    after, out = np.empty(1, MEMORY), np.zeros(2)
+    kernels.step(code, state.gains, state.memory, after, np.asarray(pose, dtype=float), np.asarray(row), out)
+    return out, State(state.gains, after)

@@ -72,7 +72,7 @@ class Kanayama:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, kanayama=self)
+        return begin(setting, "kanayama", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""
@@ -131,7 +131,7 @@ class Pid:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, pid=self)
+        return begin(setting, "pid", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""
@@ -171,7 +171,7 @@ class Sliding:
 
     def start(self, setting: Setting) -> State:
         """The state before the first step."""
-        return begin(setting, sliding=self)
+        return begin(setting, "sliding", self)
 
     def command(self, state: State, pose: ArrayLike, row: Any) -> tuple[Array, State]:
         """Command (2,) and next state."""
@@ -184,7 +184,7 @@ def sliding_surfaces_as_printed(error: ArrayLike, rate: ArrayLike, slopes: Array
     The rate holds v and omega, so a law written with s is an algebraic loop, and three surfaces cannot be forced
     with two inputs (errata T53).
     """
-    return np.asarray(rate, dtype=float) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float)
+    return np.asarray(np.asarray(rate) + np.asarray(slopes, dtype=float) * np.asarray(error, dtype=float))
 
 
 def sliding_surfaces(error: ArrayLike, v_r: ArrayLike, gains: Sliding) -> Array:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -83,16 +84,16 @@ class Mpc:
     def command(self, state: MpcState, pose: ArrayLike, row: Any) -> tuple[Array, MpcState]:
         """Command (2,) and next state; `row` `(N,)` is the reference over the horizon, the first of it now."""
         p, now = np.asarray(pose, dtype=float), row[0]
-        c, s = np.cos(now.theta), np.sin(now.theta)
-        dx, dy = p[0] - now.x, p[1] - now.y
-        error = np.array([c * dx + s * dy, -s * dx + c * dy, float(wrap(p[2] - now.theta))])
-        wanted = np.stack([row["v"], row["omega"]], axis=-1)
+        theta = float(now.theta)
+        c, s, dx, dy = math.cos(theta), math.sin(theta), p[0] - now.x, p[1] - now.y
+        error = np.array([c * dx + s * dy, -s * dx + c * dy, wrap(p[2] - theta)])
+        wanted = np.empty((self.horizon, 2))
+        wanted[:, 0], wanted[:, 1] = row["v"], row["omega"]
         last = wanted[0] if state.last is None else state.last
         x, y, outcome = state.problem.solve(error, last, wanted, state)
-        command = state.problem.brake(last)
-        if outcome == "solved":
-            command = wanted[0] + x[3 * self.horizon : 3 * self.horizon + 2]
-        return command, replace(state, last=command, x=x, y=y, outcome=outcome)
+        solved = outcome == "solved"
+        command = wanted[0] + x[3 * self.horizon : 3 * self.horizon + 2] if solved else state.problem.brake(last)
+        return command, MpcState(state.problem, command, x, y, outcome)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,16 +164,17 @@ class _Problem:
 
         Starts from the answer before; zeros where there is none.
         """
-        none = np.zeros_like(before.x), np.zeros_like(before.y)
-        if not np.hypot(error[0], error[1]) < OUT_OF_REACH:
-            return *none, "out of reach"
+        if not math.hypot(error[0], error[1]) < OUT_OF_REACH:
+            return np.zeros_like(before.x), np.zeros_like(before.y), "out of reach"
         kernels.horizon(error, last, wanted, self.dt, self.bounds, self.numbers, self.low, self.high)
         self.matrix.data[self.places] = self.numbers[self.sources]
         self.solver.update(Ax=self.matrix.data, l=self.low, u=self.high)
         self.solver.warm_start(x=self._later(before.x, (3, 2)), y=self._later(before.y, (3, 2, 2)))
         answer = self.solver.solve(raise_error=False)
         name = NAMES.get(answer.info.status, "not converged")
-        return (np.asarray(answer.x), np.asarray(answer.y), name) if name == "solved" else (*none, name)
+        if name != "solved":
+            return np.zeros_like(before.x), np.zeros_like(before.y), name
+        return np.asarray(answer.x), np.asarray(answer.y), name
 
     def _later(self, vector: Array, widths: tuple[int, ...]) -> Array:
         parts, start = [], 0

@@ -8,12 +8,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS
 
-__all__ = ["GAINS", "MEMORY", "MOST_SPEEDS", "POSE", "ROW", "SPEEDS", "Given", "Made"]
+__all__ = ["GAINS", "MEMORY", "MOST_SPEEDS", "POSE", "ROW", "SPEEDS", "Given", "Made", "Records"]
 
+Records = NDArray[np.void]  # an array of one of the records below
 MOST_SPEEDS = 33  # speeds at which a scheduled gain may be given at most
 POSE, SPEEDS = ["x", "y", "theta"], ["v", "omega"]  # columns of rows, as `rows[POSE]` asks for them
 

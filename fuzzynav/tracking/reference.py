@@ -17,7 +17,7 @@ from scipy.interpolate import make_interp_spline, make_splrep
 from fuzzynav.checks import positive
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.tracking.curves import CircleCurve, Curve, LineCurve, SpeedProfile, SplineCurve, chain
-from fuzzynav.tracking.records import ROW
+from fuzzynav.tracking.records import ROW, Records
 
 __all__ = [
     "Along",
@@ -151,7 +151,7 @@ class Reference(ABC):
         theta, v, omega = self.motion(times, flat)
         return Sample(times, flat[..., 0, :], flat[..., 1, :], flat[..., 2, :], flat[..., 3, :], theta, v, omega)
 
-    def rows(self, t: ArrayLike) -> Array:
+    def rows(self, t: ArrayLike) -> Records:
         """The reference at times `(n,)` as records with x, y, dx, dy, ddx, ddy, theta, v and omega.
 
         >>> float(line((0.0, 0.0), 0.0, 0.3, 10.0).rows([2.0])[0].x)
@@ -200,7 +200,7 @@ class Moved(Reference):
     def flat(self, t: ArrayLike) -> Array:
         """Position and derivatives `(..., 4, 2)` of the moved trajectory."""
         c, s = np.cos(self.pose[2]), np.sin(self.pose[2])
-        turned = self.inner.flat(t) @ np.array([[c, s], [-s, c]])
+        turned = np.asarray(self.inner.flat(t) @ np.array([[c, s], [-s, c]]))
         turned[..., 0, :] += self.pose[:2]
         return turned
 
@@ -228,7 +228,7 @@ class FigureEight(Reference):
         rates = np.array([0.1, 0.05])
         angle = np.asarray(t, dtype=float)[..., None] * rates
         s, c = np.sin(angle), np.cos(angle)
-        return self.amplitude * np.stack([s, rates * c, -(rates**2) * s, -(rates**3) * c], axis=-2)
+        return np.asarray(self.amplitude * np.stack([s, rates * c, -(rates**2) * s, -(rates**3) * c], axis=-2))
 
 
 class Along(Reference):

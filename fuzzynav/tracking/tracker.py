@@ -16,6 +16,7 @@ from fuzzynav.tracking.dfl import FlatGains
 from fuzzynav.tracking.kernels import REST
 from fuzzynav.tracking.law import Law, Setting
 from fuzzynav.tracking.observers import Observer
+from fuzzynav.tracking.records import Records
 from fuzzynav.tracking.reference import Reference
 
 __all__ = ["Tracker", "seen"]
@@ -147,7 +148,7 @@ class Tracker(Controller):
         return command
 
 
-def _held(rows: Array) -> Array:
+def _held(rows: Records) -> Records:
     """The rows of a reference that stands where they are."""
     still = rows.copy()
     for name in MOVES:
@@ -155,7 +156,7 @@ def _held(rows: Array) -> Array:
     return still
 
 
-def _smooth(rows: Array, dt: float) -> None:
+def _smooth(rows: Records, dt: float) -> None:
     """Raise ValueError for a reference that is not finite, never moves or jumps between two steps."""
     fine = np.all([np.isfinite(rows[name]) for name in rows.dtype.names or ()], axis=0)
     if not fine.all():

@@ -1,7 +1,7 @@
 """The runner behind `make bench`: `python tests/bench [names]`.
 
 Runs `rows()` of every `bench_<name>.py` in this folder, or of the named ones, prints one table, writes
-`data/results/bench.csv` and the table in README.md. A row holds: task, unit, ours, peer, peer_name, ratio (how many
+`data/results/bench.csv` and docs/speed.md. A row holds: task, unit, ours, peer, peer_name, ratio (how many
 times faster ours is), agreement (how the answers of both sides were compared). Both sides are measured in one run.
 """
 
@@ -10,7 +10,7 @@ import importlib
 import sys
 from pathlib import Path
 
-from fuzzynav.course.readme import rendered
+from fuzzynav.course.readme import write_pages
 
 HERE = Path(__file__).resolve().parent
 HOME = HERE.parent.parent
@@ -34,12 +34,6 @@ def merge(rows, names):
         with open(RESULTS, newline="", encoding="utf-8") as file:
             kept = [row for row in csv.DictReader(file) if row["bench"] not in names]
     return sorted(kept + rows, key=lambda row: row["bench"])
-
-
-def write_readme():
-    """Put the table of the results between its marks in README.md."""
-    path = HOME / "README.md"
-    path.write_text(rendered(path.read_text(encoding="utf-8"), HOME), encoding="utf-8")
 
 
 def main(arguments):
@@ -67,8 +61,8 @@ def main(arguments):
         writer = csv.DictWriter(file, ("bench", *FIELDS), lineterminator="\n")
         writer.writeheader()
         writer.writerows(merged)
-    write_readme()
-    print(f"\nwritten to {RESULTS.relative_to(HOME)} and README.md")
+    write_pages(HOME)
+    print(f"\nwritten to {RESULTS.relative_to(HOME)} and docs/speed.md")
     return 0
 
 

@@ -5,7 +5,7 @@ import re
 
 from fuzzynav import course
 from fuzzynav.course import readiness
-from fuzzynav.course.chapters import CHAPTERS, CourseMap
+from fuzzynav.course.overview import CHAPTERS, CourseMap
 from fuzzynav.course.readiness import Finding, Readiness
 
 

@@ -425,3 +425,82 @@ def test_distances_to_anchors_give_the_position(seed: int) -> None:
 def test_positions_that_distances_cannot_give(anchors: list, ranges: list, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         loc.trilaterate(anchors, ranges)
+
+
+# --- what small changes of the code must turn red
+
+
+def test_the_match_of_a_scan_is_the_mean_over_particles_of_the_geometric_mean_over_beams() -> None:
+    rng = np.random.default_rng(3)
+    scan = laser_scan(GRID, [2.5, 2.0, 0.3], LASER, rng)
+    few = Scan(angles=scan.angles[::9], ranges=scan.ranges[::9], range_max=scan.range_max)
+    swarm = mcl.spread(loc.Belief([2.5, 2.0, 0.3], np.diag([0.04, 0.04, 0.02])), 50, rng)
+    beams = [Scan(angles=few.angles[[k]], ranges=few.ranges[[k]], range_max=9.0) for k in np.flatnonzero(few.hits)]
+    alone = np.exp([mcl.log_likelihoods(swarm.poses, beam, FIELD, PARAMS)[0] for beam in beams])
+    wanted = swarm.weights @ alone.prod(axis=0) ** (1.0 / len(beams))
+    weighed = mcl.weigh(swarm, few, FIELD, PARAMS)
+    assert len(beams) > 3
+    assert weighed.slow == weighed.fast == pytest.approx(wanted)
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        (-0.5, 1.5, 0.0),
+        (3.5, 1.5, np.pi),
+        (3.0, 1.5, np.pi),  # on the far edge, which belongs to the next cell
+        (1.5, -0.5, np.pi / 2),
+        (1.5, 3.5, -np.pi / 2),
+        (1.5, 3.0, -np.pi / 2),
+        (1.5, 1.5, 0.0),  # in the obstacle itself
+    ],
+)
+def test_a_pose_that_cannot_be_is_as_likely_as_random_beams(pose: tuple[float, float, float]) -> None:
+    """The one beam ends in the obstacle, which would be a perfect match."""
+    field = mcl.likelihood_field(GridMap.from_ascii("...\n.#.\n..."), PARAMS, 1.0)
+    length = 0.2 if pose[:2] == (1.5, 1.5) else 1.7
+    scan = Scan(angles=np.zeros(1), ranges=np.array([length]), range_max=2.0)
+    inside = [2.9, 1.5, np.pi], [0.5, 1.5, 0.0]
+    assert mcl.log_likelihoods(inside, replace(scan, ranges=np.ones(1) * 1.3), field, PARAMS)[0].tolist() == [0.0, 0.0]
+    assert mcl.log_likelihoods([pose], scan, field, PARAMS)[0].tolist() == [field.floor]
+
+
+def test_recovery_replaces_its_share_of_the_particles() -> None:
+    poses = np.tile([2.5, 2.0, 0.0], (2000, 1))
+    swarm = mcl.Swarm(poses, np.full(2000, 1 / 2000), slow=1.0, fast=0.8)
+    assert mcl.recovery_share(swarm) == pytest.approx(0.2)
+    after = mcl.resample(swarm, GRID, PARAMS, np.random.default_rng(0))
+    assert (after.poses != poses).any(axis=1).mean() == pytest.approx(0.2, abs=0.04)
+
+
+@pytest.mark.parametrize("resolution", [0.0, -1.0, np.nan, 1e-5, 1e-300])
+def test_a_field_of_an_absurd_resolution_is_refused(resolution: float) -> None:
+    with pytest.raises(ValueError, match=r"resolution must be positive|resolution must be a positive|too many"):
+        mcl.likelihood_field(GRID, PARAMS, resolution)
+
+
+def test_nothing_inside_a_belief_or_a_swarm_can_be_written_to() -> None:
+    rng, sensor = np.random.default_rng(0), loc.LandmarkSensor()
+    belief = loc.Belief(np.zeros(3), np.eye(3))
+    path = loc.dead_reckoning(belief, [[0.1, 0.0]], NOISE)
+    seen = loc.correct(belief, [0], [[2.0, 0.0]], LANDMARKS, sensor)
+    swarm = mcl.scatter(GRID, 5, rng)
+    mine = np.full(5, 0.2)
+    held = mcl.Swarm(np.zeros((5, 3)), mine)
+    mine[0] = 9.0
+    assert held.weights[0] == 0.2
+    for array in (
+        belief.mean,
+        belief.covariance,
+        path.means,
+        path.covariances,
+        seen.innovations,
+        seen.belief.mean,
+        swarm.poses,
+        swarm.weights,
+        mcl.drift(swarm, [0.1, 0.0], NOISE, rng).poses,
+        FIELD.log,
+        FIELD.grid.occupied,
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1

@@ -34,6 +34,7 @@ def one_beam(range_: float, sensor=SENSOR) -> np.ndarray:
 def test_a_beam_clears_its_way_and_marks_its_end():
     assert one_beam(3.0) == pytest.approx([MISS] * 3 + [HIT] + [0] * 6)
     assert one_beam(0.2) == pytest.approx([HIT] + [0] * 9)
+    assert one_beam(6.0) == pytest.approx([MISS] * 6 + [HIT] + [0] * 3)  # just at the reach
 
 
 @pytest.mark.parametrize(("range_", "cleared"), [(np.inf, 7), (7.3, 7), (np.nan, 0), (-np.inf, 0)])
@@ -138,6 +139,11 @@ def test_bad_scans_are_refused(poses, ranges, angles, words):
         (lambda: mapping.empty([0, 0, 0, 1], 0.1), "bounds"),
         (lambda: mapping.empty([0, 1, 0, 1], 0.0), "resolution"),
         (lambda: mapping.empty([0, 1e5, 0, 1e5], 0.1), "too many"),
+        (lambda: mapping.empty([0, 1, 0, 1], 1e-300), "too many"),
+        (lambda: mapping.empty([-1e308, 1e308, 0, 1], 1.0), "too many"),
+        (lambda: mapping.build([[0, 0, 0]], [[1.0]], [0.0], resolution=0.0), "resolution"),
+        (lambda: mapping.build([[0, 0, 0]], [[1.0]], [0.0], resolution=1e-300), "bounds"),
+        (lambda: mapping.build([[1e300, 0, 0]], [[1.0]], [0.0]), "bounds"),
         (lambda: mapping.log_odds(1.0), "between 0 and 1"),
         (lambda: mapping.voxels([[0, 0, 0]], 0.0), "size"),
     ],
@@ -150,6 +156,27 @@ def test_bad_parameters_are_refused(call, words):
 @given(st.floats(0.001, 0.999))
 def test_odds_and_chances_are_inverse(p):
     assert mapping.probability(mapping.log_odds(p)) == pytest.approx(p)
+
+
+def test_nothing_inside_a_map_or_a_log_can_be_written_to():
+    _, log = square_log(0.0)
+    found = kinds.places(study.flat(), 1.0)
+    mine = np.zeros((2, 2))
+    grid = mapping.OccupancyGrid(mine, 1.0, (0.0, 0.0))
+    mine[:] = 1.0
+    assert not grid.log_odds.any()
+    for array in (
+        grid.log_odds,
+        mapping.update(grid, [0.5, 0.5, 0.0], [1.0], [0.0]).log_odds,
+        *(getattr(log, name) for name in ("poses", "edges", "motions", "information")),
+        posegraph.solve(log, steps=1).poses,
+        posegraph.solve(log, steps=1).errors,
+        *(getattr(found, name) for name in ("labels", "centers", "areas", "passages", "doors")),
+    ):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    read = logs.parse_g2o("\n".join(little_log()))
+    assert not any(array.flags.writeable for array in (read.angles, read.ranges, read.edges))
 
 
 # --- logs
@@ -275,6 +302,9 @@ def test_broken_chains_and_wrong_starts():
         posegraph.chain(cut)
     with pytest.raises(ValueError, match="shape"):
         posegraph.solve(log, np.zeros((3, 3)))
+    nothing = logs.ScanLog(log.poses, log.edges, log.motions, 0.0 * log.information, log.angles, log.ranges, np.inf)
+    with pytest.raises(ValueError, match="do not tell where every pose is"):
+        posegraph.solve(nothing)
 
 
 # --- the Killian Court

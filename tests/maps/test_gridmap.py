@@ -1,5 +1,10 @@
 """Maps: exact distances, lines and rays, held against slow and plain computations."""
 
+import copy
+import pickle
+import subprocess
+import sys
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -225,6 +230,65 @@ def test_a_map_keeps_its_own_copy():
 
 
 @pytest.mark.parametrize(
+    "array",
+    [
+        lambda g: g.occupied,
+        lambda g: g.unknown,
+        lambda g: g.field_in_cells(),
+        lambda g: g.skip_in_cells(),
+        lambda g: copy.deepcopy(g).occupied,
+        lambda g: pickle.loads(pickle.dumps(g)).occupied,
+        lambda g: replace(g, resolution=2.0).unknown,
+        lambda g: g.inflate(0.3).occupied,
+        lambda g: g.unknown_as_occupied().occupied,
+    ],
+)
+def test_a_map_cannot_be_written_to(array):
+    grid = GridMap.from_ascii("..#\n?..")
+    before = grid.distance_field()
+    with pytest.raises(ValueError, match="read-only"):
+        array(grid)[0, 0] = True
+    assert np.array_equal(grid.distance_field(), before)
+
+
+COMPILED_ONCE = """
+import numpy as np
+from fuzzynav import localization, mapping
+from fuzzynav.localization import particles
+from fuzzynav.mapping import occupancy
+from fuzzynav.maps import kernels
+from fuzzynav.maps.gridmap import GridMap
+from fuzzynav.sensors.scene import Scan
+from fuzzynav.world import kernels as world_kernels
+from fuzzynav.world.world import World
+grid = GridMap(np.eye(9, dtype=bool)[::-1])
+belief = localization.Belief([4.5, 2.5, 0.0], np.eye(3))
+swarm = particles.spread(belief, 8, np.random.default_rng(0))
+for poses in (belief.mean, swarm.poses, np.array(swarm.poses), swarm.poses[::2], belief.mean.tolist()):
+    for angles in (np.zeros(4), np.zeros(8)[::2], [0.0]):
+        grid.cast(poses, angles, 5.0)
+        grid.distance([4.5, 2.5])
+        grid.cast(poses, angles, 5.0)
+        mapping.build(poses, np.ones((len(np.atleast_2d(poses)), len(angles))), angles)
+    scan = Scan(angles=np.zeros(2), ranges=np.ones(2), range_max=2.0)
+    params = particles.MonteCarlo()
+    particles.log_likelihoods(poses, scan, particles.likelihood_field(grid, params), params)
+for world in (World(grid=grid), World(bounds=(0, 9, 0, 9))):
+    world.cast([4.5, 2.5, 0.0], np.zeros(4), 5.0)
+    world.clearance([4.5, 2.5])
+for k in (kernels.cast_rays, kernels.distance_field, kernels.distances_at, occupancy._update, particles._score,
+          world_kernels.scan, world_kernels.clearance):
+    assert len(k.signatures) == 1, (k, k.signatures)
+print("once")
+"""
+
+
+def test_every_kernel_serves_all_arrays_with_one_compilation():
+    done = subprocess.run([sys.executable, "-c", COMPILED_ONCE], capture_output=True, text=True, timeout=300)
+    assert done.stdout == "once\n", done.stderr
+
+
+@pytest.mark.parametrize(
     ("fields", "words"),
     [
         ({"occupied": np.zeros((0, 3), dtype=bool)}, "at least one cell"),
@@ -257,8 +321,17 @@ def test_malformed_maps_are_refused(fields, words):
         (lambda g: g.cast([0, 0, 0], [0.0], 0.0), "range_max"),
         (lambda g: g.is_occupied([np.nan, 0.0]), "points"),
         (lambda g: g.distance([[0.0, np.inf]]), "points"),
+        (lambda g: g.line_cells([0, 0], [1e9, 0]), "longer than a million cells"),
+        (lambda g: g.line_cells([0, -1e308], [0, 1e308]), "longer than a million cells"),
     ],
 )
 def test_bad_arguments_are_refused(call, words):
     with pytest.raises(ValueError, match=words):
         call(GridMap(np.zeros((2, 2), dtype=bool)))
+
+
+@pytest.mark.filterwarnings("error")
+def test_points_at_the_end_of_the_world_lie_outside():
+    grid = GridMap.from_ascii("..\n..")
+    assert grid.is_occupied([[1e300, 0.5], [-1e300, 0.5], [0.5, 1e19], [0.5, 0.5]]).tolist() == [True] * 3 + [False]
+    assert (grid.cell_of([[1e300, -1e300]]) == [[2**62, -(2**62)]]).all()

@@ -136,7 +136,7 @@ def nbgrader(kind: str, name: str) -> dict[str, object]:
     known = all_exercises()
     if name not in known:
         raise NotStored(f"exercise {name} is not defined in fuzzynav/course")
-    base = {"grade_id": f"{kind}-{name}", "schema_version": 3, "task": False}
+    base = {"grade_id": f"{kind}-{name}".replace(".", "-"), "schema_version": 3, "task": False}
     if kind == "exercise":
         return {**base, "grade": False, "locked": False, "solution": True}
     return {**base, "grade": True, "locked": True, "solution": False, "points": known[name].points}

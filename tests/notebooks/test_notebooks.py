@@ -190,7 +190,7 @@ def test_check_cells_suit_a_grading_program(path):
             assert re.fullmatch(rf'course\.check\("{re.escape(name)}", .+\)', source(cell).strip(), re.S)
             assert cell["metadata"]["nbgrader"] == {
                 "grade": True,
-                "grade_id": f"check-{name}",
+                "grade_id": "check-" + name.replace(".", "-"),
                 "locked": True,
                 "schema_version": 3,
                 "solution": False,
@@ -200,6 +200,15 @@ def test_check_cells_suit_a_grading_program(path):
             said = "".join(cell["outputs"][-1]["data"]["text/plain"])
             assert said == f"Exercise {name}: not answered yet."
         for name in tags(cell, "exercise"):
-            assert cell["metadata"]["nbgrader"]["grade_id"] == f"exercise-{name}"
+            assert cell["metadata"]["nbgrader"]["grade_id"] == "exercise-" + name.replace(".", "-")
             assert cell["metadata"]["nbgrader"]["solution"]
             assert "..." in source(cell)
+
+
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda p: p.stem)
+def test_the_names_of_graded_cells_obey_the_schema_of_nbgrader_3(path):
+    names = [cell["metadata"]["nbgrader"]["grade_id"] for cell in cells_of(path) if "nbgrader" in cell["metadata"]]
+    assert names
+    assert len(names) == len(set(names))
+    for name in names:
+        assert re.fullmatch(r"[a-zA-Z0-9_\-]+", name), name

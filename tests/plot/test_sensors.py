@@ -185,7 +185,7 @@ def test_solutions_pass_and_anything_else_gets_a_sentence(exercise: object) -> N
             "turn the robot to the left",
         ),
         (1, lambda r, le, R, L: R / (2 * L) * (r - le), "twice as much"),
-        (2, lambda line, d, spin, a, n: (d * n / (2 * np.pi * line[0]), 0.3), "track should be"),
+        (2, lambda line, d, spin, a, n: (d * n / (2 * np.pi * line[0]), 0.3), "fits the right counter alone"),
         (3, 547, "limit is 0.1 deg"),
         (3, 600, "one less would do"),
         (4, 0.1, "limit is 4 cm"),

@@ -248,6 +248,15 @@ def test_a_reference_that_stops_and_reverses(law: tracking.Law) -> None:
         assert np.abs(trace.commands[standing]).max() < 1e-9
 
 
+@pytest.mark.parametrize("law", ALL, ids=name_of)
+def test_a_line_driven_backwards_is_found_again_from_both_sides(law: tracking.Law) -> None:
+    tracker = tracking.Tracker(reference.line((0.0, 0.0), 0.0, -0.3, 30.0), law)
+    for side in (0.1, -0.1):
+        trace = tracking.follow(tracker, [0.0, side, 0.1])
+        assert trace.poses[-1] == pytest.approx([-9.0, 0.0, 0.0], abs=1e-3)
+        assert trace.commands[-1] == pytest.approx([-0.3, 0.0], abs=1e-3)
+
+
 def test_a_start_facing_backwards_turns_instead_of_driving_the_curve_backwards() -> None:
     trace = tracking.follow(tracking.Tracker(EIGHT, tracking.Dfl()), [0.0, 0.0, np.arctan2(0.5, 1.0) + np.pi])
     assert trace.commands[:, 0].min() >= 0.0
@@ -370,9 +379,9 @@ def test_a_law_of_ones_own_runs_wherever_the_courses_laws_do() -> None:
     assert again.poses == pytest.approx(own.poses, abs=1e-12)
     assert tracker.state == len(tracker.rows) + tracker.steps
     loop = simulate.Loop(velocity=(SHORT.sample(0.0).v, SHORT.sample(0.0).omega))
-    driven = simulate.run(World(), TURTLEBOT2, tracker, start, t_max=40.0, disturbance=ROUGH, rng=3, loop=loop)
+    driven = simulate.run(World(), TURTLEBOT2, tracker, start, t_max=30.0, disturbance=ROUGH, rng=3, loop=loop)
     assert driven.status == "done"
-    assert driven.poses[:50] == pytest.approx(own.poses[:50], abs=1e-12)
+    assert driven.poses == pytest.approx(own.poses, abs=1e-12)
 
 
 def test_a_law_that_inherits_and_overrides_is_not_run_compiled() -> None:
@@ -382,7 +391,7 @@ def test_a_law_that_inherits_and_overrides_is_not_run_compiled() -> None:
             return 0.5 * command, after
 
     lazy, eager = (tracking.follow(tracking.Tracker(SHORT, law)) for law in (Lazy(), tracking.Kanayama()))
-    assert lazy.length < 0.9 * eager.length
+    assert lazy.commands[0, 0] == pytest.approx(0.5 * eager.commands[0, 0])
 
 
 def test_a_command_that_is_not_finite_is_named() -> None:
@@ -656,7 +665,7 @@ def test_mpc_brakes_where_the_reference_is_out_of_reach_and_prints_nothing(pose:
     command, after = tracker.step(tracker.start(), pose, tracker.row(0.0))
     assert after.outcome == "out of reach"
     assert np.array_equal(command, [0.0, 0.0])
-    near, after = tracker.step(tracker.start(), [99.0, 0.0, 0.0], tracker.row(0.0))
+    near, after = tracker.step(tracker.start(), [2.0, 0.0, 0.0], tracker.row(0.0))
     assert after.outcome == "solved"
     assert abs(near[0]) < TURTLEBOT2.max_vel_x + 0.02
     assert capfd.readouterr() == ("", "")

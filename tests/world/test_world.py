@@ -270,3 +270,9 @@ def test_a_world_cannot_be_changed_behind_its_back() -> None:
     for array in (world.discs, world.rectangles, world.unknown_discs, *world.scene):
         with pytest.raises(ValueError, match="read-only"):
             array[...] = 0
+
+
+@pytest.mark.parametrize("resolution", [1e-5, 1e-300])
+def test_a_map_of_too_many_cells_is_refused(resolution):
+    with pytest.raises(ValueError, match=r"cells .* are too many"):
+        World(bounds=(0, 10, 0, 10)).known_grid(resolution)

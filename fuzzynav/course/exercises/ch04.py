@@ -9,24 +9,13 @@ import numpy as np
 
 from fuzzynav import tracking
 from fuzzynav.course.exercise import Exercise, Wrong
-from fuzzynav.geometry import Array, compose, wrap
+from fuzzynav.course.exercises.answers import array, close, named, number, numbers
+from fuzzynav.geometry import Array
 from fuzzynav.tracking.reference import line
 
 __all__ = ["EXERCISES"]
 
 Function = Callable[..., Any]
-
-
-def _numbers(value: Any, shape: tuple[int, ...], what: str) -> Array:
-    """The answer as finite numbers of this shape, or a sentence that says what was expected."""
-    words = " by ".join(str(n) for n in shape)
-    try:
-        found = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise Wrong(f"{what} should be {words} numbers, not {type(value).__name__}.") from None
-    if found.shape != shape or not np.isfinite(found).all():
-        raise Wrong(f"{what} should be {words} finite numbers.")
-    return found
 
 
 # --- 04.1
@@ -41,17 +30,41 @@ def _acceleration(theta: float, v: float, push: float, omega: float) -> Array:
 
 def _check_decoupling(answer: Function) -> str:
     """Seeded headings and speeds: the matrix must turn (dv/dt, omega) into the acceleration that differences show."""
-    rng = np.random.default_rng(41)
-    for theta, v, push, omega in rng.uniform([-3, 0.1, -0.5, -1], [3, 0.6, 0.5, 1], (8, 4)):
-        matrix = _numbers(answer(theta, v), (2, 2), "F(theta, v)")
-        wanted, told = _acceleration(theta, v, push, omega), matrix @ [push, omega]
-        if np.abs(told - wanted).max() > 1e-6:
-            raise Wrong(
-                f"At heading {theta:.2f} rad and v = {v:.2f} m/s, dv/dt = {push:.2f} m/s² and omega = {omega:.2f} "
-                f"rad/s give the acceleration ({wanted[0]:.3f}, {wanted[1]:.3f}) m/s², "
-                f"yours ({told[0]:.3f}, {told[1]:.3f})."
-            )
+    cases = np.random.default_rng(41).uniform([-3, 0.1, -0.5, -1], [3, 0.6, 0.5, 1], (8, 4))
+    told = np.array([array(answer(theta, v), (2, 2), "F(theta, v)") for theta, v, _, _ in cases])
+    wanted = np.array([_acceleration(*case) for case in cases])
+    found = np.einsum("kij,kj->ki", told, cases[:, 2:])
+    if np.abs(found - wanted).max() > 1e-5:
+        _name_matrix(told, cases[:, 0], cases[:, 1])
+        k = int(np.argmax(np.abs(found - wanted).max(axis=1)))
+        theta, v, push, omega = cases[k]
+        raise Wrong(
+            f"At heading {theta:.2f} rad and v = {v:.2f} m/s, dv/dt = {push:.2f} m/s² and omega = {omega:.2f} "
+            f"rad/s give the acceleration ({wanted[k, 0]:.3f}, {wanted[k, 1]:.3f}) m/s², "
+            f"yours ({found[k, 0]:.3f}, {found[k, 1]:.3f})."
+        )
     return "The first column pushes along the heading, the second across it, in proportion to v."
+
+
+def _name_matrix(told: Array, theta: Array, v: Array) -> None:
+    c, s = np.cos(theta), np.sin(theta)
+
+    def rows(*entries: Array) -> Array:
+        return np.stack(entries, axis=-1).reshape(-1, 2, 2)
+
+    named(
+        told,
+        (rows(c, s, -v * s, v * c), "Rows and columns are swapped: the first column belongs to dv/dt."),
+        (rows(c, -s, s, c), "The second column lacks v: a robot that stands does not accelerate when it turns."),
+        (rows(c, v * s, s, -v * c), "The second column points to the right: a positive omega turns the velocity left."),
+        (rows(c, v * s, s, v * c), "The derivative of the cosine is minus the sine: mind the sign in the upper row."),
+        (rows(-v * s, c, v * c, s), "The columns are swapped: dv/dt comes first, then omega."),
+        (
+            rows(v * c, -v * s, v * s, v * c),
+            "The first column has a v too many: dv/dt pushes along the heading by itself.",
+        ),
+        (rows(c, s, -s / v, c / v), "This is the inverse of F: it turns accelerations into (dv/dt, omega)."),
+    )
 
 
 # --- 04.2
@@ -59,20 +72,44 @@ def _check_decoupling(answer: Function) -> str:
 
 def _check_gains(answer: Function) -> str:
     """The poles of s^2 + kd s + kp must have the damping ratio and the real part that were asked for."""
-    rng = np.random.default_rng(42)
-    for damping, settling in np.vstack([[0.35, 4.0 / 0.35], rng.uniform([0.2, 2.0], [0.95, 15.0], (8, 2))]):
-        kp, kd = _numbers(answer(damping, settling), (2,), "The pair kp, kd")
-        if kp <= 0 or kd <= 0:
-            raise Wrong(f"kp = {kp:.3g} and kd = {kd:.3g}: both must be positive, or the error grows.")
-        pole = np.roots([1.0, kd, kp])[0]
-        if abs(-pole.real - 4.0 / settling) > 1e-6:
-            raise Wrong(
-                f"To settle in {settling:.2f} s the poles need the real part {-4 / settling:.3f} 1/s, "
-                f"yours have {pole.real:.3f}."
-            )
-        if abs(-pole.real / abs(pole) - damping) > 1e-6:
-            raise Wrong(f"The damping ratio should be {damping:.3f}, yours is {-pole.real / abs(pole):.3f}.")
-    return "The thesis' gains, 1 and 0.7, are the case damping 0.35, settling 11.4 s."
+    asked = np.vstack([[0.35, 4.0 / 0.35], np.random.default_rng(42).uniform([0.2, 2.0], [0.95, 15.0], (8, 2))])
+    told = np.array([numbers(answer(damping, settling), 2, "The pair kp, kd") for damping, settling in asked])
+    damping, settling = asked.T
+    # the common rule of thumb, the time constant's exact 2 %, and the exact 2 % of the envelope
+    fours = (np.full(9, 4.0), np.full(9, np.log(50.0)), -np.log(0.02 * np.sqrt(1.0 - damping**2)))
+    if any(close(told, _gains(four / (damping * settling), damping)) for four in fours):
+        return "The thesis' gains, 1 and 0.7, are the case damping 0.35, settling 11.4 s."
+    if (told <= 0).any():
+        kp, kd = told[int(np.argmax((told <= 0).any(axis=1)))]
+        raise Wrong(f"kp = {kp:.3g} and kd = {kd:.3g}: both must be positive, or the error grows.")
+    w = 4.0 / (damping * settling)
+    named(
+        told,
+        (_gains(w, damping)[:, ::-1], "The pair is swapped: kp comes first, then kd."),
+        (np.stack([w**2, damping * w], axis=1), "Half of kd is missing: the polynomial has 2 damping w before s."),
+        (np.stack([w, 2 * damping * w], axis=1), "kp is the square of w: yours is w itself."),
+        (
+            _gains(4.0 / settling, damping),
+            "The envelope falls with damping times w: yours settles as if damping were 1.",
+        ),
+        (
+            _gains(3.0 / (damping * settling), damping),
+            "A 3 in place of the 4 is the 5 % settling time; 2 % is asked for.",
+        ),
+    )
+    k = int(np.argmax(np.abs(told - _gains(w, damping)).max(axis=1)))
+    pole = np.roots([1.0, told[k, 1], told[k, 0]])[0]
+    if abs(-pole.real - 4.0 / settling[k]) > 1e-6:
+        raise Wrong(
+            f"To settle in {settling[k]:.2f} s the poles need the real part {-4 / settling[k]:.3f} 1/s, "
+            f"yours have {pole.real:.3f}."
+        )
+    raise Wrong(f"The damping ratio should be {damping[k]:.3f}, yours is {-pole.real / abs(pole):.3f}.")
+
+
+def _gains(w: Array, damping: Array) -> Array:
+    """kp and kd of these natural frequencies and damping ratios."""
+    return np.stack([w**2, 2.0 * damping * w], axis=1)
 
 
 # --- 04.3
@@ -80,43 +117,80 @@ def _check_gains(answer: Function) -> str:
 
 def _check_least_speed(answer: Function) -> str:
     """At the speed told the yaw rate of eq 5.2 must just reach the limit."""
-    rng = np.random.default_rng(43)
-    for ux, uy, theta, most in rng.uniform([-0.2, -0.2, -3, 0.5], [0.2, 0.2, 3, 4], (10, 4)):
-        told = float(_numbers(answer((ux, uy), theta, most), (), "The least speed"))
-        if told < 0:
-            raise Wrong("A speed limit cannot be negative: take the size of the sideways demand.")
-        omega = abs(float(tracking.yaw_rate_unguarded([ux, uy], theta, max(told, 1e-12))))
-        if abs(omega - most) > 1e-6 * most:
-            raise Wrong(f"At {told:.4f} m/s eq 5.2 asks for {omega:.3f} rad/s; the limit is {most:.3f} rad/s.")
-    return "Below this speed the robot cannot turn as the law asks: the singularity begins before v = 0."
+    cases = np.random.default_rng(43).uniform([-0.2, -0.2, -3, 0.5], [0.2, 0.2, 3, 4], (10, 4))
+    told = np.array([number(answer((ux, uy), theta, most), "The least speed") for ux, uy, theta, most in cases])
+    ux, uy, theta, most = cases.T
+    across = uy * np.cos(theta) - ux * np.sin(theta)
+    if close(told, np.abs(across) / most, 1e-8):
+        return "Below this speed the robot cannot turn as the law asks: the singularity begins before v = 0."
+    named(
+        told,
+        (across / most, "A speed limit cannot be negative: take the size of the sideways demand."),
+        (-across / most, "A speed limit cannot be negative, and left counts as positive: take the size."),
+        (
+            np.abs(ux * np.cos(theta) + uy * np.sin(theta)) / most,
+            "The part along the heading changes the speed, not the turn.",
+        ),
+        (np.abs(uy) / most, "u is given in the world: turn it into the robot's view first."),
+        (np.hypot(ux, uy) / most, "Only the part of u across the heading asks for a turn, not all of u."),
+        (np.abs(across) * most, "A robot that may turn faster can be slower: divide by omega_max, do not multiply."),
+        (most / np.abs(across), "Your fraction stands on its head: the demand over the limit is a speed."),
+    )
+    k = int(np.argmax(np.abs(told - np.abs(across) / most)))
+    omega = abs(float(tracking.yaw_rate_unguarded(cases[k, :2], theta[k], max(float(told[k]), 1e-12))))
+    raise Wrong(f"At {told[k]:.4f} m/s eq 5.2 asks for {omega:.3f} rad/s; the limit is {most[k]:.3f} rad/s.")
 
 
 # --- 04.4
 
 
 def _check_error(answer: Function) -> str:
-    """The error must not change with the frame of the whole scene nor with full turns, and must point the right way."""
-    ahead = _numbers(answer((0.0, 0.0, np.pi / 2), (0.0, 1.0, np.pi / 2)), (3,), "The error")
-    if np.abs(ahead - [1.0, 0.0, 0.0]).max() > 1e-9:
-        raise Wrong(
-            f"The reference is 1 m straight ahead of a robot that looks along y: the error is (1, 0, 0), "
-            f"yours ({ahead[0]:.2f}, {ahead[1]:.2f}, {ahead[2]:.2f})."
-        )
-    near = _numbers(answer((0.0, 0.0, 3.1), (0.0, 0.0, -3.1)), (3,), "The error")[2]
-    if abs(near) > 1.0:
-        raise Wrong(f"From 3.1 rad to -3.1 rad is a turn of 0.083 rad to the left, yours is {near:.3f} rad: wrap it.")
+    """The error as the robot sees it, on seeded poses and where the heading passes half a turn."""
     rng = np.random.default_rng(44)
-    for _ in range(10):
-        pose, wanted, motion = (np.append(rng.uniform(-2, 2, 2), rng.uniform(-3, 3)) for _ in range(3))
-        told = _numbers(answer(tuple(pose), tuple(wanted)), (3,), "The error")
-        moved = _numbers(answer(tuple(compose(motion, pose)), tuple(compose(motion, wanted))), (3,), "The error")
-        if np.abs(moved[:2] - told[:2]).max() > 1e-9 or abs(wrap(moved[2] - told[2])) > 1e-9:
-            raise Wrong("Turning and shifting robot and reference together must not change the error, yours changes.")
-        if np.abs(told - tracking.tracking_error(pose, wanted)).max() > 1e-9:
-            right = tracking.tracking_error(pose, wanted)
-            scene = f"pose {np.round(pose, 2).tolist()} and reference {np.round(wanted, 2).tolist()}"
-            raise Wrong(f"At {scene} the error is {np.round(right, 3).tolist()}, yours {np.round(told, 3).tolist()}.")
+    poses = np.vstack([[0.0, 0.0, np.pi / 2], [0.0, 0.0, 3.1], rng.uniform([-2, -2, -3], [2, 2, 3], (10, 3))])
+    goals = np.vstack([[0.0, 1.0, np.pi / 2], [0.0, 0.0, -3.1], rng.uniform([-2, -2, -3], [2, 2, 3], (10, 3))])
+    cases = zip(poses.tolist(), goals.tolist(), strict=True)
+    told = np.array([numbers(answer(tuple(p), tuple(g)), 3, "The error") for p, g in cases])
+    right = np.array([tracking.tracking_error(p, g) for p, g in zip(poses, goals, strict=True)])
+    if not close(told, right):
+        _name_errors(told, right, poses, goals)
     return "Ahead, left and heading: what the robot itself sees of the reference."
+
+
+def _name_errors(told: Array, right: Array, poses: Array, goals: Array) -> None:
+    (dx, dy, turn), (c, s) = (goals - poses).T, (np.cos(poses[:, 2]), np.sin(poses[:, 2]))
+    if not close(told[:, :2], right[:, :2]):
+        named(
+            told[:, :2],
+            (
+                np.stack([c * dx + s * dy, s * dx + c * dy], axis=1),
+                "The sign of the sine in the second component is wrong.",
+            ),
+            (np.stack([dx, dy], axis=1), "This is the difference in the world; turn it into the robot's view."),
+            (
+                np.stack([c * dx - s * dy, s * dx + c * dy], axis=1),
+                "Yours turns by plus theta: the robot's view needs minus.",
+            ),
+            (-right[:, :2], "The error points from the robot to the reference: yours is the other way round."),
+            (right[:, 1::-1], "Ahead comes first, then left: yours are swapped."),
+        )
+        k = int(np.argmax(np.abs(told - right)[:, :2].max(axis=1)))
+        raise Wrong(
+            f"From the pose {np.round(poses[k], 2).tolist()} the reference at {np.round(goals[k], 2).tolist()} is "
+            f"{right[k, 0]:.2f} m ahead and {right[k, 1]:.2f} m to the left, "
+            f"yours ({told[k, 0]:.2f}, {told[k, 1]:.2f})."
+        )
+    named(
+        told[:, 2],
+        (turn, "From 3.1 rad to -3.1 rad is a turn of 0.083 rad to the left, yours is -6.200 rad: wrap it."),
+        (-right[:, 2], "The heading error is wanted minus pose: yours has the other sign."),
+        (np.abs(right[:, 2]), "The heading error has lost its sign: left is positive, right is negative."),
+        (np.rad2deg(right[:, 2]), "The heading error stays in radians: yours is in degrees."),
+    )
+    k = int(np.argmax(np.abs(told - right)[:, 2]))
+    raise Wrong(
+        f"From heading {poses[k, 2]:.2f} to {goals[k, 2]:.2f} rad is {right[k, 2]:.2f} rad, yours {told[k, 2]:.2f}."
+    )
 
 
 # --- 04.5
@@ -133,7 +207,7 @@ def _step_response(law: tracking.Kanayama) -> tuple[float, float, float]:
 
 def _check_tuning(answer: Any) -> str:
     """The three gains of eq 5.10 against overshoot, settling time and yaw rate on a straight line."""
-    k1, k2, k3 = _numbers(answer, (3,), "The gains k1, k2, k3")
+    k1, k2, k3 = numbers(answer, 3, "The gains k1, k2, k3")
     if min(k1, k2, k3) <= 0:
         raise Wrong(f"All three gains must be positive, the least of yours is {min(k1, k2, k3):.3g}.")
     overshoot, settled, turn = _step_response(tracking.Kanayama(k1=float(k1), k2=float(k2), k3=float(k3)))

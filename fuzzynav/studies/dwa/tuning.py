@@ -6,7 +6,7 @@ set of weights, so that the tuned base can do everything the fixed one can.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -47,7 +47,22 @@ def system_of(vector: ArrayLike, name: str = "ours_dwa_tuned") -> FuzzySystem:
         "distObs": ((0, 0, d1, d2), (d1, d2, d2, d3), (d2, d3, 15, 15)),
         "velRob": ((0, 0, v1, v2), (v1, v2, 1, 1)),
     }
-    inputs = tuple(
+    ratios = np.exp(np.clip(np.column_stack([x[7:].reshape(12, 2), np.zeros(12)]), -6, 6))
+    weights = np.round(ratios / ratios.sum(axis=1, keepdims=True), 4)
+    block = RuleBlock(rules=_rules(), name="tuned", conjunction="product")
+    return FuzzySystem(
+        name=name,
+        inputs=_inputs(sets),
+        outputs=_outputs(weights),
+        blocks=(block,),
+        source="ours",
+        description="weights of the dynamic window, tuned by evolution on random maps",
+    )
+
+
+def _inputs(sets: Mapping[str, Sequence[tuple[float, ...]]]) -> tuple[Variable, ...]:
+    """The three inputs with trapezoids at these corners."""
+    return tuple(
         Variable(
             name=n,
             low=0.0,
@@ -59,9 +74,11 @@ def system_of(vector: ArrayLike, name: str = "ours_dwa_tuned") -> FuzzySystem:
         )
         for n in sets
     )
-    ratios = np.exp(np.clip(np.column_stack([x[7:].reshape(12, 2), np.zeros(12)]), -6, 6))
-    weights = np.round(ratios / ratios.sum(axis=1, keepdims=True), 4)
-    outputs = tuple(
+
+
+def _outputs(weights: Array) -> tuple[Variable, ...]:
+    """The three weights, each with twelve constants."""
+    return tuple(
         Variable(
             name=n,
             low=0.0,
@@ -72,15 +89,6 @@ def system_of(vector: ArrayLike, name: str = "ours_dwa_tuned") -> FuzzySystem:
             ),
         )
         for k, n in enumerate(("alpha", "beta", "gamma"))
-    )
-    block = RuleBlock(rules=_rules(), name="tuned", conjunction="product")
-    return FuzzySystem(
-        name=name,
-        inputs=inputs,
-        outputs=outputs,
-        blocks=(block,),
-        source="ours",
-        description="weights of the dynamic window, tuned by evolution on random maps",
     )
 
 
