@@ -91,13 +91,12 @@ def drive(
     """
     loop = loop or Loop()
     _refuse(world, params, laser, loop)
-    a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
-    towards = loop.heading if loop.heading is not None else float(np.arctan2(b[1] - a[1], b[0] - a[0]))
+    a, b = _posed(start, goal, loop), np.asarray(goal, dtype=float)
     ready = prepared(robot, params)
     poses, commands, weights, clearances, notes, status = _drive(
         world.scene,
         NO_CHART if field is None else field.chart,
-        (a if a.size == 3 else np.append(a, towards), b[:2].copy()),
+        (a, b[:2].copy()),
         ready.limits,
         ready.settings,
         (ready.weights, rules or shipped("thesis_table_3_2"), rules is not None),
@@ -115,6 +114,14 @@ def drive(
         radius=robot.radius,
         contacts_moving=int(status == COLLIDED),
     )
+
+
+def _posed(start: ArrayLike, goal: ArrayLike, loop: Loop) -> Array:
+    """The start with a heading: its own, the loop's, or towards the goal."""
+    a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
+    if a.size == 3:
+        return a
+    return np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]) if loop.heading is None else loop.heading)
 
 
 def _log(weights: Array, notes: NDArray[np.bool_]) -> dict[str, Array]:
