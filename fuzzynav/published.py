@@ -76,11 +76,12 @@ class Table(pd.DataFrame):
 
     def __repr__(self) -> str:
         with pd.option_context("display.max_colwidth", 60, "display.width", 140, "display.max_rows", None):
-            return super().__repr__()
+            return str(super().__repr__())
 
     def _repr_html_(self) -> str | None:
         with pd.option_context("display.max_colwidth", None, "display.max_rows", None):
-            return super()._repr_html_()
+            found = super()._repr_html_()
+        return None if found is None else str(found)
 
 
 def reproductions() -> dict[str, tuple[Reproduction, ...]]:
@@ -109,7 +110,8 @@ def table(topic: str) -> Table:
         raise ValueError(f"topic {topic} has no reproductions; there are: {', '.join(known) or 'none yet'}")
     rows = [_row(r, topic) for r in known[topic]]
     shown = ["claim", "quantity", "setting", "unit", "published", "ours", "verdict", "free", "holds_for", "why"]
-    return Table([[getattr(row, key) for key in shown] for row in rows], columns=shown).set_index("claim")
+    made = Table([[getattr(row, key) for key in shown] for row in rows], columns=shown)
+    return Table(made.set_index("claim"))
 
 
 def ledger() -> list[Row]:

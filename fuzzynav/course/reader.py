@@ -157,7 +157,8 @@ def items(notebook: str) -> published.Table:
         for i in published.items().values()
         if any(name.startswith(notebook) for name in where.get(i.id, []))
     ]
-    return published.Table(rows, columns=["item", "kind", "meaning", "reproducible"]).set_index("item")
+    made = published.Table(rows, columns=["item", "kind", "meaning", "reproducible"])
+    return published.Table(made.set_index("item"))
 
 
 def solution(exercise_id: str) -> Source | Line:

@@ -15,7 +15,8 @@ from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import arc
 
 __all__ = [
-    "STILL", "Chart", "arc_contact", "end_clearance", "field_at", "field_contact", "grown", "near_points", "polygon_contact",
+    "STILL", "Chart", "arc_contact", "end_clearance", "field_at", "field_contact", "grown", "near_points",
+    "polygon_contact",
 ]  # fmt: skip
 
 STILL = 1e-9  # [m/s] slower than this is standing
@@ -81,9 +82,9 @@ def arc_contact(v: float, omega: float, near: Array) -> float:
         elif a > 0.0:
             late = min(late, (x - root) / a)
     if first < np.inf:
-        return 2.0 * first if abs(bend * first) < 1e-9 else 2.0 * np.arctan(abs(bend) * first) / abs(bend)
+        return 2.0 * first if abs(bend * first) < 1e-9 else 2.0 * float(np.arctan(abs(bend) * first)) / abs(bend)
     if late < 0.0 and bend != 0.0:
-        return 2.0 * (np.pi + np.arctan(abs(bend) * late)) / abs(bend)
+        return 2.0 * (np.pi + float(np.arctan(abs(bend) * late))) / abs(bend)
     return np.inf
 
 
@@ -98,7 +99,7 @@ def field_at(x: float, y: float, chart: Chart) -> float:
     if i < 0 or j < 0 or i >= cols or j >= rows:
         return 0.0
     dx, dy = x - chart.x - (i + 0.5) * chart.resolution, y - chart.y - (j + 0.5) * chart.resolution
-    return chart.values[j, i] - np.sqrt(dx * dx + dy * dy)
+    return float(chart.values[j, i] - np.sqrt(dx * dx + dy * dy))
 
 
 @njit(cache=True)

@@ -20,7 +20,7 @@ from fuzzynav.dwa.decision import NO_CHART, NO_POINTS, NO_RADII, Field, prepared
 from fuzzynav.dwa.kernels import decide, is_blind, window
 from fuzzynav.dwa.sight import border
 from fuzzynav.dwa.steps import TABLE_3_3, Params
-from fuzzynav.dwa.weights import INPUTS, OUTPUTS
+from fuzzynav.dwa.weights import AHEAD, INPUTS, OUTPUTS
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.fuzzy.compiled import Tables
 from fuzzynav.fuzzy.engine import infer_one
@@ -91,31 +91,43 @@ def drive(
     """
     loop = loop or Loop()
     _refuse(world, params, laser, loop)
-    a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
-    towards = loop.heading if loop.heading is not None else np.arctan2(b[1] - a[1], b[0] - a[0])
+    a, b = _posed(start, goal, loop), np.asarray(goal, dtype=float)
     ready = prepared(robot, params)
     poses, commands, weights, clearances, notes, status = _drive(
         world.scene,
         NO_CHART if field is None else field.chart,
-        (a if a.size == 3 else np.append(a, towards), b[:2].copy()),
+        (a, b[:2].copy()),
         ready.limits,
         ready.settings,
         (ready.weights, rules or shipped("thesis_table_3_2"), rules is not None),
         _beams(laser),
         _ends(loop, params.dt, t_max),
     )
-    log = dict(zip(("alpha", "beta", "gamma"), weights.T, strict=True))
     return Run(
         t=params.dt * np.arange(len(poses), dtype=float),
         poses=poses,
         commands=commands,
         clearance=clearances,
-        log={**log, "uncovered": notes[:, 0], "braking": notes[:, 1]},
+        log=_log(weights, notes),
         status=STATUSES[status],
         goal=b[:2].copy(),
         radius=robot.radius,
         contacts_moving=int(status == COLLIDED),
     )
+
+
+def _posed(start: ArrayLike, goal: ArrayLike, loop: Loop) -> Array:
+    """The start with a heading: its own, the loop's, or towards the goal."""
+    a, b = np.asarray(start, dtype=float), np.asarray(goal, dtype=float)
+    if a.size == 3:
+        return a
+    return np.append(a, np.arctan2(b[1] - a[1], b[0] - a[0]) if loop.heading is None else loop.heading)
+
+
+def _log(weights: Array, notes: NDArray[np.bool_]) -> dict[str, Array]:
+    """What the controller would have given as evidence, step by step."""
+    columns = np.column_stack([weights, notes.astype(float)]).T
+    return dict(zip(("alpha", "beta", "gamma", "uncovered", "braking"), columns, strict=True))
 
 
 def _refuse(world: World, params: Params, laser: Laser | None, loop: Loop) -> None:
@@ -174,10 +186,9 @@ def _sense(scene: Scene, pose: Array, beams: Any, size: float, settings: Any, ch
 def _weigh(pose: Array, goal: Array, speed: float, near: float, mind: Any, out: Array) -> bool:
     """Weights for one state into `out`; whether a rule fired. mind: nominal weights, rules, whether they are used."""
     nominal, tables, _ = mind
-    bearing = wrap(np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2])
-    inputs = np.array(
-        [min(abs(np.degrees(bearing)), 180.0), min(max(near, 0.0), 15.0), min(abs(speed), 1.0)]
-    )  # cut to their ranges, as `weights.inputs_of` does
+    head = abs(np.degrees(wrap(np.arctan2(goal[1] - pose[1], goal[0] - pose[0]) - pose[2])))
+    head = min(head, 180.0) if head > AHEAD else 0.0
+    inputs = np.array([head, min(max(near, 0.0), 15.0), min(abs(speed), 1.0)])  # as `weights.inputs_of` cuts them
     values = np.empty(3)
     out[:] = nominal
     if infer_one(tables, inputs, values) <= 0.0:
@@ -196,7 +207,7 @@ def _least(scene: Scene, pose: Array, v: float, omega: float, dt: float, radius:
     """Least clearance of the rim during a step, as the open loop looks for it."""
     none, least, at = np.empty((0, 3)), np.inf, np.empty((1, 2))
     at[0, 0], at[0, 1], _ = arc(pose[0], pose[1], pose[2], v, omega, dt)
-    end = clearance(scene, none, at)[0] - radius
+    end = float(clearance(scene, none, at)[0] - radius)
     if end > abs(v) * dt + 0.05:
         return end
     for u in (0.2, 0.4, 0.6, 0.8):
@@ -215,7 +226,7 @@ def _stalled(poses: Array, n: int, ends: Any) -> bool:
     for i in range(first, n + 1):
         far = max(far, np.hypot(poses[i, 0] - poses[first, 0], poses[i, 1] - poses[first, 1]))
         turned = max(turned, abs(wrap(poses[i, 2] - poses[first, 2])))
-    return far < ends.stall_distance and turned < ends.stall_angle
+    return bool(far < ends.stall_distance and turned < ends.stall_angle)
 
 
 @njit(cache=True)

@@ -25,12 +25,13 @@ from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
 __all__ = [
-    "ADMISSIBLE", "NO_STOP", "NO_TURN_STOP", "PRINTED_SPEED", "PRINTED_TURN", "SETTINGS", "UNSEEN", "brake", "braking",
-    "decide", "is_blind", "stopping", "window",
+    "ADMISSIBLE", "NUMBERS", "NO_STOP", "NO_TURN_STOP", "PRINTED_SPEED", "PRINTED_TURN", "SETTINGS", "UNSEEN",
+    "brake", "braking", "decide", "is_blind", "stopping", "window",
 ]  # fmt: skip
 
 Reasons = NDArray[np.int64]
 
+SLACK = 0.01  # [m], [rad] a way into the unseen is this much shorter: no creeping through the skin, step by step
 TIE = 1e-9  # totals nearer than this are equal: processors differ in the last digit
 ADMISSIBLE, NO_STOP, NO_TURN_STOP, PRINTED_SPEED, PRINTED_TURN, UNSEEN = range(6)
 
@@ -52,6 +53,10 @@ SETTINGS = np.dtype(
         ],
     )
 )
+
+NUMBERS = (
+    "dt", "sim_time", "v_resolution", "omega_resolution", "d_max", "margin", "reaction", "thinnest",
+)  # fmt: skip  # the settings that are fields of Params
 
 
 class Ground(NamedTuple):
@@ -101,7 +106,7 @@ def braking(v: float, omega: float, lim: Any) -> float:
     b = lim.loss
     if abs(omega) * b > lim.spin * abs(v):
         b = lim.spin * abs(v) / abs(omega)
-    return b
+    return float(b)
 
 
 @njit(cache=True)
@@ -125,7 +130,7 @@ def stopping(v: float, deceleration: float, dt: float) -> float:
     if v <= STILL or drop <= 0.0:
         return 0.0
     m = np.ceil(v / drop - 1e-12) - 1.0
-    return dt * (v * (1.0 + m) - 0.5 * drop * m * (m + 1.0))
+    return float(dt * (v * (1.0 + m) - 0.5 * drop * m * (m + 1.0)))
 
 
 @njit(cache=True)
@@ -151,7 +156,7 @@ def _heading(v: float, omega: float, goal_x: float, goal_y: float, sim_time: flo
     x, y, turn = arc(0.0, 0.0, 0.0, v, omega, sim_time)
     dx, dy = goal_x - x, goal_y - y
     c, s = np.cos(turn), np.sin(turn)
-    return 180.0 - abs(np.degrees(np.arctan2(c * dy - s * dx, c * dx + s * dy)))
+    return 180.0 - abs(float(np.degrees(np.arctan2(c * dy - s * dx, c * dx + s * dy))))
 
 
 @njit(cache=True)
@@ -237,7 +242,7 @@ def _rate(
         v, omega = samples[i, 0], samples[i, 1]
         need = stopping(v, braking(v, omega, lim), settings.dt)
         free, seen = _contact(v, omega, near, corners), _contact(v, omega, ends, corners)
-        unseen = _contact(v, omega, gaps, corners)
+        unseen = max(_contact(v, omega, gaps, corners) - SLACK, 0.0)
         if chart.values.size:
             far = max(settings.d_max, need + abs(v) * settings.reaction + settings.margin)
             charted, uncharted = field_contact(v, omega, pose, chart, lim.radius, far)

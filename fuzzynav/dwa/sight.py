@@ -16,9 +16,10 @@ a gap like any other, and all around when no beam lives. The border of the known
 cover it: a disc or a polygon that moves without touching them has left it nowhere. What adjoins the robot itself in
 directions that were not seen is a border SKIN away from its rim: any motion that pushes the rim that way is refused at
 once, motion along it or away from it is not. So a disc may turn in place when it sees nothing at all; it may drive
-straight with a view of 180 degrees (less 10 for the skin), and with a narrower one only over ground that earlier scans
-have shown. A robot that brakes on an arc that was known when it chose the arc stays on known ground, whatever it sees
-on the way.
+straight with a view of 180 degrees (less 10 for the skin). A narrower view does not show the ground that the rim sweeps
+beside its apex: an obstacle may stand there after a turn in place. Such a robot only turns, and ends as blind, unless
+it is told that it may drive (`Params.blind`) or knows a map. A robot that brakes on an arc that was known when it chose
+the arc stays on known ground, whatever it sees on the way.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 
-__all__ = ["SKIN", "border", "sight"]
+__all__ = ["SEAM", "SKIN", "border", "known_sectors", "sight"]
 
 SEAM = 0.05  # [m] between two points of the border of what was seen
 SPREAD = 0.04  # the same along a line of sight, as a share of the distance, where that is more
@@ -44,7 +45,8 @@ def sight(gap: float, thinnest: float) -> float:
     half = 0.5 * gap
     if half <= 0.0:
         return np.inf
-    return max(0.5 * thinnest * (1.0 / np.sin(half) - np.sqrt(2.0)), 0.0) * (np.cos(half) - np.sin(half))
+    far: float = 0.5 * thinnest * (1.0 / np.sin(half) - np.sqrt(2.0))
+    return max(far, 0.0) * float(np.cos(half) - np.sin(half))
 
 
 @njit(cache=True)
@@ -72,6 +74,20 @@ def _living(ranges: Array, angles: Array, heading: float, range_max: float) -> t
     if k > 0 and gaps.sum() < np.pi:  # all beams look the same way
         gaps[k - 1] = 2.0 * np.pi
     return ends, bearings, gaps
+
+
+@njit(cache=True)
+def known_sectors(
+    ranges: Array, angles: Array, heading: float, range_max: float, thinnest: float
+) -> tuple[Array, Array, Array, Array]:
+    """Ends [m], bearings [rad], gaps [rad] to the next, and how far [m] each gap is known: inf as far as its ends."""
+    ends, bearings, gaps = _living(ranges, angles, heading, range_max)
+    known = np.full(ends.size, np.inf)
+    for i in range(ends.size):
+        far = sight(gaps[i], thinnest)
+        if min(ends[i], ends[i + 1 if i + 1 < ends.size else 0]) > far:
+            known[i] = far
+    return ends, bearings, gaps, known
 
 
 @njit(cache=True)
@@ -161,13 +177,8 @@ def border(
     degrees and is wider than the gap shows itself within one gap of a hit, so that every end takes the gap for its
     radius. A jump in range is a line of sight past an edge; behind it nothing is known, so points are strewn along it.
     """
-    ends, bearings, gaps = _living(ranges, angles, pose[2], range_max)
+    ends, bearings, gaps, known = known_sectors(ranges, angles, pose[2], range_max, thinnest)
     k = ends.size
-    known = np.full(k, np.inf)
-    for i in range(k):
-        far = sight(gaps[i], thinnest)
-        if min(ends[i], ends[i + 1 if i + 1 < k else 0]) > far:
-            known[i] = far
     rows = _holes(ends, bearings, gaps, known, size, corners, pose[2])
     holes = rows.shape[0]
     out = np.empty((64 + 2 * k + holes, 3))

@@ -89,7 +89,7 @@ class Params:
     @property
     def settings(self) -> Array:
         """The parameters as the kernels take them: an array of one `kernels.SETTINGS` record."""
-        plain = (*(getattr(self, name) for name in kernels.SETTINGS.names[:8]), self.distance == "end")
+        plain = (*(getattr(self, name) for name in kernels.NUMBERS), self.distance == "end")
         return np.array([(*plain, self.bound == "as_printed", self.blind)], dtype=kernels.SETTINGS)
 
 
@@ -168,7 +168,8 @@ def end_clearance(pose: ArrayLike, samples: ArrayLike, points: ArrayLike, radius
     """Clearance `(n,)` [m] at the end of each predicted arc, which is what the thesis calls dist (errata T35)."""
     end = arcs(pose, samples, [sim_time])[:, 0, None, :2]
     gaps = np.linalg.norm(end - np.asarray(points, dtype=float).reshape(1, -1, 2), axis=-1)
-    return np.maximum(gaps.min(axis=1, initial=np.inf) - radius, 0.0)
+    found: Array = np.maximum(gaps.min(axis=1, initial=np.inf) - radius, 0.0)
+    return found
 
 
 def stopping_distance(samples: ArrayLike, robot: Robot, dt: float) -> Array:
@@ -215,7 +216,8 @@ def distance_score(distance: ArrayLike, d_max: float) -> Array:
 
     Source: thesis eq 3.19.
     """
-    return np.minimum(np.asarray(distance, dtype=float), d_max)
+    found: Array = np.minimum(np.asarray(distance, dtype=float), d_max)
+    return found
 
 
 def speed_score(samples: ArrayLike) -> Array:
@@ -223,7 +225,8 @@ def speed_score(samples: ArrayLike) -> Array:
 
     Source: thesis eq 3.20.
     """
-    return np.maximum(np.asarray(samples, dtype=float)[:, 0], 0.0)
+    found: Array = np.maximum(np.asarray(samples, dtype=float)[:, 0], 0.0)
+    return found
 
 
 def normalise(raw: ArrayLike) -> Array:
@@ -244,7 +247,8 @@ def objective(shares: ArrayLike, weights: ArrayLike) -> Array:
 
     Source: thesis eq 3.17 and 4.14 (errata T37, T39).
     """
-    return np.asarray(shares, dtype=float) @ np.asarray(weights, dtype=float)
+    found: Array = np.asarray(shares, dtype=float) @ np.asarray(weights, dtype=float)
+    return found
 
 
 def _convex(corners: Array) -> bool:

@@ -17,17 +17,20 @@ __all__ = ["INPUTS", "OUTPUTS", "FuzzyWeights", "fuzzy_controller", "inputs_of",
 
 INPUTS = ("headGoal", "distObs", "velRob")
 OUTPUTS = ("alpha", "beta", "gamma")
+AHEAD = 1e-9  # [deg] a heading is never known so exactly (ours)
 UNIVERSES = np.array([[0.0, 180.0], [0.0, 15.0], [0.0, 1.0]])  # thesis section 3.5.1
 
 
 def inputs_of(observation: Observation, nearest: float) -> Array:
     """Inputs `(3,)` of the rule base: angle to the goal [deg], nearest obstacle [m], speed [m/s], cut to their ranges.
 
-    An obstacle beyond sight counts as the far end of its range.
+    An obstacle beyond sight counts as the far end of its range; an angle within AHEAD as straight ahead, so that no
+    rule fires for the last digit of a heading.
     """
     x, y, theta = np.asarray(observation.pose, dtype=float)
     dx, dy = np.asarray(observation.goal, dtype=float)[:2] - (x, y)
     head = abs(float(np.degrees(wrap(np.arctan2(dy, dx) - theta))))
+    head = head if head > AHEAD else 0.0
     speed = abs(float(np.asarray(observation.velocity)[0]))
     return np.clip([head, min(nearest, 15.0), speed], UNIVERSES[:, 0], UNIVERSES[:, 1])
 

@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike
 from fuzzynav import dwa
 from fuzzynav.batch import proportion
 from fuzzynav.control import Observation
-from fuzzynav.dwa.decision import Params, Plan
+from fuzzynav.dwa.decision import Plan
+from fuzzynav.dwa.steps import Params
 from fuzzynav.geometry import Array
 from fuzzynav.plot.base import COLORS, draw_robot, metric_axes
 from fuzzynav.robot import Robot

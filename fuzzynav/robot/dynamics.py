@@ -50,7 +50,7 @@ def drive(state: ArrayLike, torques: ArrayLike, dt: float, robot: Robot) -> Arra
     done = solve_ivp(lambda _, s: state_rate(s, torque, robot), (0.0, dt), start, "DOP853", rtol=1e-10, atol=1e-12)
     end = done.y[:, -1]
     end[2] = wrap(end[2])
-    return end
+    return np.asarray(end)
 
 
 def motor_lag(speed: ArrayLike, command: ArrayLike, time_constant: float, dt: float) -> Array:
@@ -64,4 +64,4 @@ def motor_lag(speed: ArrayLike, command: ArrayLike, time_constant: float, dt: fl
     if not (time_constant > 0 and dt >= 0):
         raise ValueError(f"time_constant must be positive and dt not negative, got {time_constant} and {dt}")
     s, c = np.asarray(speed, dtype=float), np.asarray(command, dtype=float)
-    return c + (s - c) * np.exp(-dt / time_constant)
+    return np.asarray(c + (s - c) * np.exp(-dt / time_constant))

@@ -92,7 +92,7 @@ def turning_radius(rims: ArrayLike, robot: Robot) -> Array:
 def yaw_rate_as_printed(wheels: ArrayLike, robot: Robot) -> Array:
     """Yaw rate [rad/s] by the second form of eq 2.7 as printed, R/(2L): half of what it should be (errata T27)."""
     w = np.asarray(wheels, dtype=float)
-    return robot.wheel_radius / (2.0 * robot.track) * (w[..., 0] - w[..., 1])
+    return np.asarray(robot.wheel_radius / (2.0 * robot.track) * (w[..., 0] - w[..., 1]))
 
 
 def motion_name(v_right: float, v_left: float, tolerance: float = 1e-9) -> str:
@@ -183,4 +183,4 @@ def rolls(
     pose: ArrayLike, rate: ArrayLike, rims: ArrayLike, robot: Robot, tolerance: float = 1e-9
 ) -> NDArray[np.bool_]:
     """Whether a motion neither slides sideways nor slips at a wheel, to within tolerance [m/s]; shape `(...)`."""
-    return np.all(np.abs(constraints(pose, rate, rims, robot)) <= tolerance, axis=-1)
+    return np.asarray(np.all(np.abs(constraints(pose, rate, rims, robot)) <= tolerance, axis=-1))

@@ -108,7 +108,7 @@ class Run:
     @property
     def variation(self) -> Array:
         """Total variation `(2,)` of v [m/s] and of omega [rad/s]: the sum of all their changes."""
-        return np.abs(np.diff(self.driven, axis=0)).sum(axis=0)
+        return np.asarray(np.abs(np.diff(self.driven, axis=0)).sum(axis=0))
 
     @property
     def turns(self) -> int:
@@ -145,12 +145,12 @@ class Run:
     @property
     def distance(self) -> Array:
         """Distance `(n + 1,)` [m] from the reference's position."""
-        return np.hypot(*self.errors[:, :2].T)
+        return np.asarray(np.hypot(*self.errors[:, :2].T))
 
     @property
     def rms(self) -> Array:
         """Root mean square of the errors `(3,)`: x [m], y [m], heading [rad]."""
-        return np.sqrt((self.errors**2).mean(axis=0))
+        return np.asarray(np.sqrt((self.errors**2).mean(axis=0)))
 
     @property
     def rms_distance(self) -> float:

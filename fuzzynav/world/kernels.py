@@ -226,7 +226,7 @@ def _overlaps(rectangle: Array, x: float, y: float, step: float) -> bool:
     u, v = x - rectangle[0], y - rectangle[1]
     half, a, b = 0.5 * step - 1e-12, 0.5 * rectangle[2], 0.5 * rectangle[3]
     wide = abs(c) + abs(s)
-    return (
+    return bool(
         abs(u) < half + a * abs(c) + b * abs(s)
         and abs(v) < half + a * abs(s) + b * abs(c)
         and abs(c * u + s * v) < a + half * wide

@@ -438,3 +438,54 @@ def test_goal_reached_or_behind_gives_finite_scores() -> None:
         made = dwa.plan(seen([], goal=goal), THESIS)
         assert np.isfinite(made.raw).all()
         assert made.chosen >= 0
+
+
+# --- what small changes of the kernels would break ----------------------------------------------------
+
+
+def test_admissible_includes_the_exact_stop() -> None:
+    need = dwa.stopping_distance([[0.5, 0.0]], THESIS, 0.1)
+    assert dwa.admissible([[0.5, 0.0]], need, THESIS, 0.1)[0]
+    assert not dwa.admissible([[0.5, 0.0]], need - 1e-9, THESIS, 0.1)[0]
+
+
+def test_end_clearance_is_never_negative() -> None:
+    assert dwa.end_clearance([0, 0, 0], [[1.0, 0.0]], [[3.0, 0.0]], 0.3, 3.0)[0] == 0.0
+
+
+def test_whole_steps_of_braking_end_with_the_last() -> None:
+    """From v = 3 drops: 3 + 2 + 1 drops, each for dt; a step of 0 is not driven."""
+    for steps in (1, 2, 5):
+        assert dwa.stopping_distance([[0.02 * steps, 0.0]], THESIS, 0.1)[0] == pytest.approx(
+            0.1 * 0.02 * steps * (steps + 1) / 2, abs=1e-12
+        )
+
+
+def test_slow_turning_acceleration_needs_a_longer_look() -> None:
+    """Where stopping the turn takes longer than stopping the way, obstacles beyond v^2/2a still count."""
+    robot = replace(THESIS, acc_lim_x=2.0, dec_lim_x=2.0, acc_lim_theta=0.05)
+    params = Params(d_max=0.1)
+    wall = move(np.zeros(3), (1.0, 0.3), 2.0)[None, :2]
+    made = dwa.plan(seen(wall, velocity=(1.0, 0.3)), robot, params)
+    bent = (made.samples[:, 0] > 0.99) & (made.samples[:, 1] > 0.29)
+    assert bent.any()
+    assert set(made.reasons[bent]) == {kernels.NO_STOP}
+
+
+def test_a_jump_takes_the_wider_of_two_gaps() -> None:
+    angles = np.concatenate([np.linspace(-np.pi, 0.0, 300, endpoint=False), np.linspace(0.0, np.pi, 100, False)])
+    ranges = np.full(400, 1.5)
+    border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=4.0), THESIS)
+    at = np.flatnonzero(np.hypot(*(border - (1.5, 0.0)).T) < 1e-9)
+    assert radii[at].max() == pytest.approx(1.5 * np.pi / 100)
+
+
+def test_march_through_a_field_goes_all_the_way_round() -> None:
+    """The obstacle lies three quarters along the circle."""
+    occupied = np.zeros((100, 100), dtype=bool)
+    occupied[69:71, 39:41] = True  # around (-1, 1) of the robot's frame, on its circle of radius 1
+    field = dwa.Field.of(GridMap(occupied, 0.1, (-5.0, -6.0)), 0.02)
+    slow = replace(THESIS, max_vel_theta=2.0, acc_lim_theta=30.0)
+    made = dwa.plan(seen([], velocity=(0.5, 0.5), goal=(0, 1)), slow, Params(d_max=7.0), field=field)
+    k = np.argmin(np.abs(made.samples - (0.5, 0.5)).sum(axis=1))
+    assert np.pi < made.free[k] < 2 * np.pi

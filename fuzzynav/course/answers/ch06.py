@@ -6,8 +6,9 @@ import numpy as np
 
 from fuzzynav import dwa, simulate
 from fuzzynav.course.answers.answer import Answer
-from fuzzynav.dwa.decision import Field, Params
+from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.fast import drive
+from fuzzynav.dwa.steps import Params
 from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa.comparison import GOAL, START, random_map
 from fuzzynav.studies.fuzzy import rule_base

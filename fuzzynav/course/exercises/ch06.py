@@ -13,8 +13,9 @@ from fuzzynav import dwa
 from fuzzynav.course.exercise import Exercise, Wrong
 from fuzzynav.course.exercises.answers import close, named, number, numbers
 from fuzzynav.course.exercises.ch03 import with_rules
-from fuzzynav.dwa.decision import Field, Params
+from fuzzynav.dwa.decision import Field
 from fuzzynav.dwa.fast import drive
+from fuzzynav.dwa.steps import Params
 from fuzzynav.robot import THESIS
 from fuzzynav.studies.dwa.comparison import GOAL, START, random_map
 from fuzzynav.world import World

@@ -11,8 +11,9 @@ from matplotlib.patches import Circle
 
 from fuzzynav import dwa
 from fuzzynav.control import Observation
-from fuzzynav.dwa.decision import Field, Params, Plan
+from fuzzynav.dwa.decision import Field, Plan
 from fuzzynav.dwa.fast import drive, shipped
+from fuzzynav.dwa.steps import Params
 from fuzzynav.dwa.weights import retuned
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
@@ -36,21 +37,19 @@ def dwa_scrubber(
     params: Params = dwa.TABLE_3_3,
 ) -> Update:
     """Any moment of a run: the map with the candidate arcs, and the velocity window of that decision."""
-    axes = figure.subplot_mosaic(
-        [["map", "window"], ["map", "time"]], width_ratios=[1.15, 1.0], height_ratios=[1.5, 1.0]
-    )
-    draw_world(axes["map"], world)
-    draw_path(axes["map"], run.poses, role="unknown")
-    draw_goal(axes["map"], run.goal)
-    arcs, body = arc_mark(axes["map"], params.sim_time), draw_robot(axes["map"], run.poses[0], robot.radius)
-    movers = mover_marks(axes["map"], world, run)
-    window = window_mark(axes["window"], robot, params)
-    figure.colorbar(window.scored, ax=axes["window"], label="score, low to high", ticks=[])
-    axes["time"].plot(run.t[:-1], run.commands[:, 0], color=COLORS["robot"], linestyle="-", label="$v$ [m/s]")
-    axes["time"].plot(run.t[:-1], run.commands[:, 1], color=COLORS["path"], linestyle="--", label=r"$\omega$ [rad/s]")
-    axes["time"].set(xlabel="t [s]", xlim=(0.0, run.duration), ylim=(-0.45, 1.45))
-    axes["time"].legend(loc="upper right", ncols=2)
-    now = axes["time"].axvline(0.0, color=COLORS["goal"], linestyle="-")
+    axes = figure.subplot_mosaic("mw\nmt", width_ratios=[1.15, 1.0], height_ratios=[1.5, 1.0])
+    draw_world(axes["m"], world)
+    draw_path(axes["m"], run.poses, role="unknown")
+    draw_goal(axes["m"], run.goal)
+    arcs, body = arc_mark(axes["m"], params.sim_time), draw_robot(axes["m"], run.poses[0], robot.radius)
+    movers = mover_marks(axes["m"], world, run)
+    window = window_mark(axes["w"], robot, params)
+    figure.colorbar(window.scored, ax=axes["w"], label="score, low to high", ticks=[])
+    for k, (role, dash, label) in enumerate((("robot", "-", "$v$ [m/s]"), ("path", "--", r"$\omega$ [rad/s]"))):
+        axes["t"].plot(run.t[:-1], run.commands[:, k], color=COLORS[role], linestyle=dash, label=label)
+    axes["t"].set(xlabel="t [s]", xlim=(0.0, run.duration), ylim=(-0.45, 1.45))
+    axes["t"].legend(loc="upper right", ncols=2)
+    now = axes["t"].axvline(0.0, color=COLORS["goal"], linestyle="-")
     speeds = np.vstack([np.zeros(2), run.commands])
 
     def update(frame: int) -> tuple[list[Artist], str]:
@@ -63,8 +62,7 @@ def dwa_scrubber(
         refused = int((~plan.admissible).sum())
         text = (
             f"{run.t[frame]:.1f} s: v = {speeds[frame, 0]:.2f} m/s, {len(plan.samples)} samples, "
-            f"{refused} refused, {'braking' if plan.braking else 'free'}, "
-            f"nearest {plan.nearest:.2f} m"
+            f"{refused} refused, {'braking' if plan.braking else 'free'}, nearest {plan.nearest:.2f} m"
         )
         return [*arcs.artists, *body.artists, *movers.artists, *window.artists, now], text
 

@@ -120,7 +120,7 @@ def swarm_lab(figure: Figure) -> Update:
 
     def update(frame: int, particles: str, story: str) -> tuple[list[Artist], str]:
         run = study.chase(
-            int(particles), lost=story != STORIES[1], kidnap=story in STORIES[2:], recovery=story != STORIES[3]
+            int(particles), lost=story == STORIES[0], kidnap=story in STORIES[2:], recovery=story != STORIES[3]
         )
         k = min(int(frame), len(run.errors) - 1)
         place_swarm(dots, run.swarms[k])

@@ -108,7 +108,7 @@ def go(case: str, params: Params, rules: Tables | None) -> Run:
 def compare(case: str) -> list[dict[str, Any]]:
     """One row for each way of scoring the distance (along the arc, at its end) and each method, on this case's map."""
     rows = [
-        _row(case, name, replace(params, distance=scored), rules)  # type: ignore[arg-type]
+        _row(case, name, replace(params, distance=scored), rules)
         for name, (params, rules) in methods().items()
         for scored in ("arc", "end")
     ]

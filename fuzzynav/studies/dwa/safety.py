@@ -82,7 +82,7 @@ def setting(rng: np.random.Generator, corner: bool) -> tuple[Robot, Params]:
     )
     resolution = robot.acc_lim_x * 0.05
     omega_step = robot.acc_lim_theta * 0.02
-    return robot, Params(weights=weights, v_resolution=resolution, omega_resolution=omega_step)  # type: ignore[arg-type]
+    return robot, Params(weights=weights, v_resolution=resolution, omega_resolution=omega_step)
 
 
 def case_of(seed: int) -> tuple[World, Robot, Params, Array, Array, Laser]:
