@@ -39,6 +39,7 @@ LOCAL, MAPPING = "tests/localization/test_localization.py", "tests/mapping/test_
 GRID, RAYS, FILES = "tests/maps/test_gridmap.py", "tests/maps/test_rays.py", "tests/maps/test_files.py"
 WORLD, ASTAR, SIGHT = "tests/world/test_world.py", "tests/planning/test_astar.py", "tests/planning/test_visibility.py"
 SMOOTH, SIMULATE = "tests/smoothing/test_smoothing.py", "tests/simulate/test_simulate.py"
+UNSEEN = "tests/dwa/test_sight.py"
 TRACK, BLEND, DWA = "tests/tracking/test_tracking.py", "tests/blend/test_blend.py", "tests/dwa/test_dwa.py"
 INFER, MEMBER = "tests/fuzzy/test_inference.py", "tests/fuzzy/test_membership.py"
 SYSTEM, SHAPES = "tests/fuzzy/test_system.py", "tests/fuzzy/test_shapes.py"
@@ -72,7 +73,7 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant("fuzzynav/maps/kernels.py", "while ring - 0.5 - 0.7072 <= best + away", "while ring <= inner",
            f"{GRID} -k distance_of_any_point", "only one ring of squares is asked for the distance"),
     Mutant("fuzzynav/maps/gridmap.py", "< radius / self.resolution - kernels.EDGE", "<= radius / self.resolution",
-           f"{GRID} -k inflation", "a disc that touches counts as overlapping"),
+           f"{GRID} -k only_touches", "a disc that touches counts as overlapping"),
     Mutant("fuzzynav/maps/gridmap.py", "self.occupied | self.unknown, self", "self.occupied & ~self.unknown, self",
            f"{GRID} tests/maps/test_files.py tests/planning", "unknown cells are read as free"),
     Mutant("fuzzynav/maps/movingai.py", "(gx, height - 1 - gy)", "(gx, gy)",
@@ -233,6 +234,37 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{BLEND} -k 'blend_ends'", "the blend swaps its commands"),
     Mutant("fuzzynav/blend/points.py", "stays = r > reach - BEHIND", "stays = True",
            f"{BLEND} -k 'remembered'", "a point is remembered for ever", plain=True),
+    # --- dwa
+    Mutant("fuzzynav/dwa/steps.py", "return stopping_distance(samples, robot, dt) <= np", "return stopping_distance(samples, robot, dt) < np",
+           f"{DWA} -k exact_stop", "a sample that stops exactly in time is refused"),
+    Mutant("fuzzynav/dwa/steps.py", "found: Array = np.maximum(gaps.min(axis=1, initial=np.inf) - radius, 0.0)",
+           "found: Array = gaps.min(axis=1, initial=np.inf) - radius",
+           f"{DWA} -k never_negative", "the clearance at the end of an arc may be negative"),
+    Mutant("fuzzynav/dwa/steps.py", "not_negative(margin=self.margin, reaction=self.reaction)", "not_negative(margin=self.margin)",
+           f"{DWA} {UNSEEN} -k 'parameters'", "a negative reaction time is accepted"),
+    Mutant("fuzzynav/dwa/kernels.py", "slowest = min(lim.loss, lim.spin / lim.omega * fastest) if fastest > STILL else lim.loss", "slowest = lim.loss",
+           f"{DWA} -k slow_turning", "the look ahead forgets that the turn must stop too"),
+    Mutant("fuzzynav/dwa/kernels.py", "m = np.ceil(v / drop - 1e-12) - 1.0", "m = np.floor(v / drop - 1e-12)",
+           f"{DWA} -k whole_steps", "the number of braking steps is rounded the other way",
+           equivalent="both differ only where v is a whole number of drops, and the step that is then added has the speed 0"),
+    Mutant("fuzzynav/dwa/kernels.py", "0.5 * drop * m * (m + 1.0)", "0.5 * drop * m * (m - 1.0)",
+           f"{DWA} -k stopping_distance", "braking begins a step late", plain=True),
+    Mutant("fuzzynav/dwa/kernels.py", "return slower, omega * (slower / v)", "return slower, omega",
+           f"{DWA} -k 'same_arc or stays_on_the_arc'", "the emergency brake leaves its arc", plain=True),
+    Mutant("fuzzynav/dwa/kernels.py", "need = way.need + abs(v) * settings.reaction + settings.margin\n    if", "need = way.need + abs(v) * settings.reaction\n    if",
+           f"{DWA} -k 'parameter_has'", "the margin is not kept"),
+    Mutant("fuzzynav/dwa/kernels.py", "clear = max(nearest, 0.0) if abs(v) <= STILL else free", "clear = free",
+           f"{DWA} {UNSEEN} -k 'open_steps or mirrored or finite'", "a sample that stands scores endless clearance"),
+    Mutant("fuzzynav/dwa/sight.py", "if k > 0 and gaps.sum() < np.pi:", "if k > 0:",
+           f"{DWA} {UNSEEN} -k 'outrun or half_a_circle or shadow'", "a full circle of beams has a gap of a whole turn"),
+    Mutant("fuzzynav/dwa/sight.py", "max(gaps[i] if whole else 0.0, gaps[i - 1] if before else 0.0)", "(gaps[i] if whole else 0.0)",
+           f"{DWA} -k wider_of_two", "the end of a beam takes the gap to its left alone"),
+    Mutant("fuzzynav/dwa/sight.py", "for beam, beside in ((i, i - 1), (j, j)):", "for beam, beside in ((i, i - 1),):",
+           f"{UNSEEN}", "a hole in sight has a border on one side only"),
+    Mutant("fuzzynav/dwa/contact.py", "if abs(omega) * travelled > 2.0 * np.pi * abs(v):", "if abs(omega) * travelled > np.pi * abs(v):",
+           f"{DWA} -k all_the_way_round", "a march through a field ends after half a circle"),
+    Mutant("fuzzynav/dwa/contact.py", "out[k, 3] = squared - own * own", "out[k, 3] = squared - own",
+           f"{DWA} -k 'gap or circle_contact'", "the power of a point takes the radius for its square"),
     # --- batch
     Mutant("fuzzynav/batch/sweep.py", "            future.cancel()", "            future.done()",
            f"{BATCH} -k 'cancelled'", "what waits is not cancelled"),

@@ -145,6 +145,15 @@ def test_a_disc_passes_a_corner_far_from_both_ends_of_its_way():
         assert not GridMap(mask).clear_line(a, b, radius=0.72)
 
 
+@pytest.mark.parametrize("resolution", [1.0, 0.1, 0.05, 0.3])
+def test_inflation_leaves_what_the_disc_only_touches(resolution):
+    grid = GridMap.from_ascii("#....", resolution)
+    for cells in (0.5, 1.5, 2.5):
+        assert grid.inflate(cells * resolution, border=False).to_ascii().strip() == "#" * int(cells + 0.5) + "." * int(
+            5.0 - cells
+        )
+
+
 def test_corner_rules_by_example():
     gap = GridMap.from_ascii("#.\n.#")
     assert not gap.clear_line([0.5, 0.5], [1.5, 1.5])
