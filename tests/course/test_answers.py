@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import sympy
 
-from fuzzynav import course
+from fuzzynav import course, tracking
 from fuzzynav.course import Wrong
 from fuzzynav.course.exercise import judge
 from fuzzynav.course.exercises import answers
@@ -172,3 +172,10 @@ def test_silence_is_a_number_where_it_is_asked_for():
     assert np.isnan(answers.number(np.nan, "The centroid", silent=True))
     with pytest.raises(Wrong, match="finite"):
         answers.number(np.inf, "The centroid", silent=True)
+
+
+@pytest.mark.parametrize("share", [0.99, 1.01])
+def test_a_matrix_one_percent_off_is_refused(share):
+    outcome = judge(EXERCISES["04.1"], lambda theta, v: share * tracking.decoupling(theta, v))
+    assert outcome.points == 0
+    assert "give the acceleration" in outcome.sentence

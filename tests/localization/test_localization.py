@@ -142,6 +142,11 @@ def kalman_run(seed: int, sensor: loc.LandmarkSensor, told: loc.MotionNoise, ste
     return np.array(squares)
 
 
+def test_each_rate_of_noise_belongs_to_its_own_motion_and_number() -> None:
+    noise = loc.MotionNoise(travel_per_metre=1.0, travel_per_radian=2.0, turn_per_metre=3.0, turn_per_radian=4.0)
+    assert noise.variances([[1.0, 0.0], [0.0, 1.0], [-2.0, -1.0]]).tolist() == [[1.0, 3.0], [2.0, 4.0], [4.0, 10.0]]
+
+
 def test_the_filter_is_honest_with_the_right_noise_and_caught_with_the_wrong() -> None:
     sensor = loc.LandmarkSensor()
     low, high = loc.nees_bounds(30, 0.999)

@@ -274,6 +274,15 @@ def test_exact_motions_give_the_true_poses():
     assert found.errors[-1] < 1e-9
 
 
+def test_a_chain_lays_motions_end_to_end_also_sideways_ones():
+    _, log = square_log(0.2, 3)
+    pose, chained = log.poses[0], posegraph.chain(log)
+    for k, motion in enumerate(log.motions[:80]):
+        assert np.allclose(chained[k], pose, atol=1e-9)
+        pose = compose(pose, motion)
+    assert np.allclose(chained[-1], pose, atol=1e-9)
+
+
 def test_loops_pull_the_poses_towards_the_truth():
     truth, log = square_log(0.03, 1)
     odometry, found = posegraph.chain(log), posegraph.solve(log)

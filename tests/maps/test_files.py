@@ -104,6 +104,11 @@ def test_thresholds_and_negation_follow_map_server(tmp_path):
     shifted = GridMap.load(ros(tmp_path, pixels, occupied_thresh=0.6, free_thresh=0.5))
     assert shifted.occupied.tolist() == [[True, True, False, False]]
     assert shifted.unknown is None
+    exact = GridMap.load(
+        ros(tmp_path, [[101, 102, 204, 205]], occupied_thresh=0.6, free_thresh=0.2)
+    )  # 102: 0.6, 204: 0.2
+    assert exact.occupied.tolist() == [[True, False, False, False]]
+    assert exact.unknown.tolist() == [[False, True, True, False]]
 
 
 def test_first_image_row_is_the_highest_y_and_colour_is_averaged(tmp_path):

@@ -136,6 +136,24 @@ def test_a_disc_passes_where_its_centre_keeps_the_radius(mask, seed, radius):
         assert grid.clear_line(a, b, radius) == (nearest > radius)
 
 
+def test_a_disc_passes_a_corner_far_from_both_ends_of_its_way():
+    """The line y = x + 1 runs sqrt(1/2) beside the corner (10, 10)."""
+    mask = np.zeros((20, 20), dtype=bool)
+    mask[9, 10] = True
+    for a, b in (([2, 3], [17, 18]), ([17, 18], [2, 3])):
+        assert GridMap(mask).clear_line(a, b, radius=0.70)
+        assert not GridMap(mask).clear_line(a, b, radius=0.72)
+
+
+@pytest.mark.parametrize("resolution", [1.0, 0.1, 0.05, 0.3])
+def test_inflation_leaves_what_the_disc_only_touches(resolution):
+    grid = GridMap.from_ascii("#....", resolution)
+    for cells in (0.5, 1.5, 2.5):
+        assert grid.inflate(cells * resolution, border=False).to_ascii().strip() == "#" * int(cells + 0.5) + "." * int(
+            5.0 - cells
+        )
+
+
 def test_corner_rules_by_example():
     gap = GridMap.from_ascii("#.\n.#")
     assert not gap.clear_line([0.5, 0.5], [1.5, 1.5])

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fuzzynav import robot as r
 from fuzzynav.geometry import wrap
+from fuzzynav.robot import kernels
 
 PRESETS = [r.THESIS, r.TURTLEBOT2, r.TURTLEBOT3_BURGER, r.PIONEER_3DX]
 speeds = st.floats(-2.0, 2.0)
@@ -215,8 +216,39 @@ def test_braking_uses_its_own_limit_and_reversing_speeds_up() -> None:
     robot = replace(r.PIONEER_3DX, acc_lim_x=0.5, dec_lim_x=2.0)
     assert r.limit([-1.0, 0.0], [0.8, 0.0], robot, 0.1)[0] == pytest.approx(0.6)
     assert r.limit([-1.0, 0.0], [0.1, 0.0], robot, 0.1)[0] == pytest.approx(-0.025)  # stops after 0.05 s
+    assert r.limit([1.0, 0.0], [-0.1, 0.0], robot, 0.1)[0] == pytest.approx(0.025)
     assert r.limit([1.0, 0.0], [-0.8, 0.0], robot, 0.1)[0] == pytest.approx(-0.6)
     assert r.limit([1.0, 0.0], [1.9, 0.0], robot, 0.1)[0] == pytest.approx(1.7)  # too fast: brakes, does not jump
+
+
+def test_a_heading_of_half_a_turn_is_told_in_one_way() -> None:
+    for heading in (np.pi, -np.pi, 3.0 * np.pi):
+        assert r.move([0.0, 0.0, heading], [0.0, 0.0], 1.0)[2] == pytest.approx(-np.pi, abs=1e-12)
+        assert kernels.wrap(heading) == wrap(heading)
+
+
+def test_motors_that_lag_drive_the_mean_of_their_speed() -> None:
+    """From rest towards v for a time t the way is v (t - lag (1 - exp(-t/lag))), in however many steps."""
+    plant = np.array([(0.035, 0.23, 0.1, 0.0, 0.0)], dtype=kernels.PLANT)[0]
+    for steps in (1, 2, 5):
+        pose, wheels = np.zeros(3), np.zeros(2)
+        for _ in range(steps):
+            kernels.drive(pose, wheels, np.array([0.3, 0.0]), np.zeros(2), plant, 0.2 / steps, False, np.empty(2))
+        assert pose[0] == pytest.approx(0.3 * (0.2 - 0.1 * (1.0 - np.exp(-2.0))), rel=1e-12)
+        assert wheels == pytest.approx(0.3 / 0.035 * (1.0 - np.exp(-2.0)), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("slip", "errors"), [((0.5, 0.0), (0, 0)), ((0.0, 0.5), (0, 0)), ((0, 0), (0.1, 0)), ((0, 0), (0, 0.1))]
+)
+def test_each_wheel_has_its_own_slip_and_radius(slip: tuple[float, float], errors: tuple[float, float]) -> None:
+    plant, driven = np.array([(0.035, 0.23, 0.0, *errors)], dtype=kernels.PLANT)[0], np.empty(2)
+    kernels.drive(
+        np.zeros(3), np.zeros(2), np.array([0.2, 0.4]), np.array(slip, dtype=float), plant, 0.1, False, driven
+    )
+    right, left = 0.2 + 0.4 * 0.23 / 2.0, 0.2 - 0.4 * 0.23 / 2.0
+    right, left = right * (1.0 - slip[0]) * (1.0 + errors[0]), left * (1.0 - slip[1]) * (1.0 + errors[1])
+    assert driven == pytest.approx([(right + left) / 2.0, (right - left) / 0.23], rel=1e-12)
 
 
 def test_respects_limits_finds_each_fault() -> None:

@@ -147,6 +147,18 @@ def test_an_interrupted_new_edition_goes_on_and_the_old_one_stays(study: Study, 
     assert sorted(p.name for p in tmp_path.iterdir()) == ["small.csv"]
 
 
+def test_a_new_edition_begun_with_other_code_is_begun_again(study: Study, tmp_path: Path) -> None:
+    machine.run(study, place=tmp_path)
+    GAIN[0] = -2.0
+    with pytest.raises(KeyboardInterrupt):
+        machine.run(study, fresh=True, place=tmp_path)
+    machine.CODE["code"] = "two"
+    GAIN[0] = 3.0
+    assert machine.run(study, place=tmp_path) == 4
+    assert batch.read(tmp_path / "small.csv")["value"].tolist() == [0.0, 3.0, 6.0, 9.0, 12.0]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["small.csv"]
+
+
 def test_a_refactoring_is_accepted_and_a_change_is_not(study: Study, tmp_path: Path) -> None:
     machine.run(study, place=tmp_path)
     machine.CODE["code"] = "two"
