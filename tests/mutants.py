@@ -28,7 +28,7 @@ from fuzzynav.stale import kernel_digest  # noqa: E402
 from tests.mutations import MUTANTS, Mutant  # noqa: E402
 
 COPIED = ("fuzzynav", "tests", "data", "notebooks", "pyproject.toml")
-TIMEOUT = 400.0  # [s] for the tests of one change, compiling included
+TIMEOUT = 150.0  # [s] for the tests of one change, compiling included
 IMPORTED = re.compile(r"^\s*from (fuzzynav[\w.]*) import \(?([^)]*)", re.MULTILINE)
 WORDS = {0: "survived", 1: "killed"}  # by pytest's code; any other means that the tests did not run
 

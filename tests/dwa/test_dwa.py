@@ -472,8 +472,9 @@ def test_slow_turning_acceleration_needs_a_longer_look() -> None:
     assert set(made.reasons[bent]) == {kernels.NO_STOP}
 
 
-def test_a_jump_takes_the_wider_of_two_gaps() -> None:
-    angles = np.concatenate([np.linspace(-np.pi, 0.0, 300, endpoint=False), np.linspace(0.0, np.pi, 100, False)])
+@pytest.mark.parametrize(("right", "left"), [(300, 100), (100, 300)])
+def test_a_jump_takes_the_wider_of_two_gaps(right: int, left: int) -> None:
+    angles = np.concatenate([np.linspace(-np.pi, 0.0, right, False), np.linspace(0.0, np.pi, left, False)])
     ranges = np.full(400, 1.5)
     border, radii = dwa.blind_spots(seen(ranges=ranges, angles=angles, range_max=4.0), THESIS)
     at = np.flatnonzero(np.hypot(*(border - (1.5, 0.0)).T) < 1e-9)

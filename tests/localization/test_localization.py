@@ -142,6 +142,14 @@ def kalman_run(seed: int, sensor: loc.LandmarkSensor, told: loc.MotionNoise, ste
     return np.array(squares)
 
 
+@pytest.mark.parametrize("turn", [1e-7, 1e-4, -9e-4, 9.99e-4])
+def test_a_nearly_straight_arc_has_the_exact_jacobian(turn: float) -> None:
+    """Seen along its chord, the arc shortens by d/dturn sinc(turn/2) = -h/6 + h^3/60 - h^5/1680 with h = turn/2."""
+    _, by_motion = loc.motion_jacobians([0.0, 0.0, -turn / 2.0], [1.0, turn])
+    h = turn / 2.0
+    assert by_motion[0, 1] == pytest.approx(-h / 6.0 + h**3 / 60.0 - h**5 / 1680.0, rel=1e-10)
+
+
 def test_each_rate_of_noise_belongs_to_its_own_motion_and_number() -> None:
     noise = loc.MotionNoise(travel_per_metre=1.0, travel_per_radian=2.0, turn_per_metre=3.0, turn_per_radian=4.0)
     assert noise.variances([[1.0, 0.0], [0.0, 1.0], [-2.0, -1.0]]).tolist() == [[1.0, 3.0], [2.0, 4.0], [4.0, 10.0]]

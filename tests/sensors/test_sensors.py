@@ -275,6 +275,12 @@ def test_projection_of_the_world_by_hand_and_by_both_ways() -> None:
     assert np.allclose(pixels[:3], optical @ cam.intrinsics(cam.KINECT)[:2].T / depth[:3, None])
 
 
+def test_what_is_not_in_front_of_a_camera_has_no_pixel() -> None:
+    behind = [[0.1, 0.2, -1.0], [0.1, 0.2, 0.0], [0.1, 0.2, np.nan]]
+    assert np.isnan(cam.project(behind, cam.KINECT)).all()
+    assert np.isfinite(cam.project([0.1, 0.2, 1e-3], cam.KINECT)).all()
+
+
 def test_noisy_pixels_are_whole_and_leave_the_picture_as_nan() -> None:
     rng = np.random.default_rng(0)
     seen = cam.noisy_pixels([[100.2, 50.7], [-30.0, 50.0], [np.nan, np.nan]], cam.KINECT, 0.0, rng)

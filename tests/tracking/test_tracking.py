@@ -14,7 +14,7 @@ from scipy.linalg import expm
 from fuzzynav import simulate, tracking
 from fuzzynav.geometry import Array, compose, length, wrap
 from fuzzynav.robot import PIONEER_3DX, THESIS, TURTLEBOT2, pose_rate, respects_limits
-from fuzzynav.tracking import curves, reference
+from fuzzynav.tracking import curves, kernels, reference
 from fuzzynav.tracking.records import POSE, ROW, SPEEDS
 from fuzzynav.world import World
 
@@ -547,6 +547,19 @@ def test_a_pid_integral_stops_at_the_limit() -> None:
     assert abs(state.memory["sum_v"][0]) < 1.0
 
 
+def test_a_pid_integral_shrinks_also_where_the_output_is_at_its_limit() -> None:
+    tracker = tracking.Tracker(SHORT, tracking.Pid(kp_v=0.1, ki_v=1.0, kd_v=0.0, feed_forward=True))
+    state, row = tracker.start(), tracker.rows[0].copy()
+    row.x, row.y, row.theta, row.v, row.omega = 0.0, 0.0, 0.0, 0.0, 0.0
+    for _ in range(4):
+        _, state = tracker.step(state, [-1.0, 0.0, 0.0], row)  # 1 m behind: the integral grows
+    full = state.memory["sum_v"][0]
+    row.v = TURTLEBOT2.max_vel_x
+    command, state = tracker.step(state, [0.1, 0.0, 0.0], row)
+    assert command[0] == TURTLEBOT2.max_vel_x
+    assert state.memory["sum_v"][0] == pytest.approx(full - 0.1 * 0.1)
+
+
 def test_feed_forward_removes_what_pid_alone_cannot() -> None:
     plain = tracking.follow(tracking.Tracker(EIGHT, tracking.Pid()))
     fed = tracking.follow(tracking.Tracker(EIGHT, tracking.Pid(feed_forward=True)))
@@ -643,6 +656,23 @@ def test_mpc_answer_is_the_best_of_its_own_cost() -> None:
 
     best, rng = cost(changes), np.random.default_rng(0)
     assert all(cost(changes + 1e-3 * rng.standard_normal((6, 2))) > best for _ in range(100))
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.integers(0, 2**32))
+def test_bounds_of_the_predictive_program_are_those_of_the_command_itself(seed: int) -> None:
+    """Its unknowns are distances from the wanted commands; speeds and their changes are bounded as they are driven."""
+    rng = np.random.default_rng(seed)
+    n, last, wanted, commands = 4, rng.uniform(-1, 1, 2), rng.uniform(-1, 1, (4, 2)), rng.uniform(-1, 1, (4, 2))
+    bounds, low, high = np.array([[-0.8, -0.9], [0.7, 0.9], [0.5, 1.1]]), np.empty(7 * n), np.empty(7 * n)
+    kernels.horizon(np.zeros(3), last, wanted, 0.1, bounds, np.empty(15 * n), low, high)
+    moved = (commands - wanted).ravel()
+    steps = moved - np.concatenate([np.zeros(2), moved[:-2]])
+    driven = np.abs(np.diff(np.vstack([last, commands]), axis=0)).ravel()
+    inside = (low[3 * n : 5 * n] <= moved) & (moved <= high[3 * n : 5 * n])
+    assert inside.tolist() == ((bounds[0] <= commands) & (commands <= bounds[1])).ravel().tolist()
+    inside = (low[5 * n :] <= steps) & (steps <= high[5 * n :])
+    assert inside.tolist() == (driven <= np.tile(bounds[2], n)).tolist()
 
 
 def test_mpc_keeps_limits_that_the_wish_would_break_and_names_what_cannot_be() -> None:
