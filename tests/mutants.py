@@ -13,6 +13,7 @@ import os
 import re
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,6 +23,7 @@ from collections.abc import Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+from typing import Any
 
 HOME = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HOME))
@@ -31,6 +33,7 @@ from fuzzynav.stale import kernel_digest  # noqa: E402
 COPIED = ("fuzzynav", "tests", "data", "notebooks", "pyproject.toml")
 TIMEOUT = 150.0  # [s] for the tests of one change, compiling included
 IMPORTED = re.compile(r"^\s*from (fuzzynav[\w.]*) import \(?([^)]*)", re.MULTILINE)
+TOLD: dict[str, Any] = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
 WORDS = {0: "survived", 1: "killed"}  # by pytest's code; any other means that the tests did not run
 
 
@@ -57,12 +60,13 @@ class Mutant:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the chosen changes one after the other and print what became of each; 1 if any survived or did not run."""
+    """Run the chosen changes one after the other and print what became of each; 1 if one survived or did not run."""
     parser = argparse.ArgumentParser(description="small wrong changes that tests must notice")
     parser.add_argument("rooms", nargs="*", metavar="ROOM", help="only these: planning, course, ... (default: all)")
     parser.add_argument("--jobs", type=int, default=1, help="how many at once (default: 1)")
     parser.add_argument("--list", action="store_true", help="say what there is and run nothing")
     parser.add_argument("--only", default="", metavar="TEXT", help="only changes whose reason holds this text")
+    parser.add_argument("--clean", action="store_true", help="change nothing: everything must survive")
     options = parser.parse_args(arguments)
     known = dict.fromkeys(m.room for m in MUTANTS)
     if unknown := set(options.rooms) - set(known):
@@ -75,27 +79,31 @@ def main(arguments: Sequence[str] | None = None) -> int:
             )
         return 0
     with ThreadPoolExecutor(options.jobs) as pool:
-        told = [pool.submit(tried, m) for m in chosen if not m.equivalent]
+        told = [pool.submit(tried, m, options.clean) for m in chosen if not m.equivalent]
         found = Counter(said.result() for said in told)
     skipped = sum(bool(m.equivalent) for m in chosen)
-    print(", ".join(f"{count} {word}" for word, count in found.items()), f"; {skipped} make no difference")
-    return int(found.keys() - {"killed"} != set())
+    print("; ".join([*(f"{count} {word}" for word, count in found.items()), f"{skipped} make no difference"]))
+    return int(bool(found.keys() - {"survived" if options.clean else "killed"}))
 
 
-def tried(mutant: Mutant) -> str:
-    """What became of one change: 'killed', 'survived' or 'not run'; prints it with its time."""
+def tried(mutant: Mutant, clean: bool = False) -> str:
+    """What became of one change: 'killed', 'survived' or 'not run'; prints it with its time. clean: change nothing."""
     began = time.perf_counter()
     with tempfile.TemporaryDirectory(prefix="fuzzynav-mutant-", ignore_cleanup_errors=True) as scratch:
         place = copied(Path(scratch))
-        applied(mutant, place)
+        if not clean:
+            applied(mutant, place)
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *shlex.split(mutant.tests)]
         environment = {**os.environ, "PYTHONPATH": str(place)} | ({"NUMBA_DISABLE_JIT": "1"} if mutant.plain else {})
         environment.pop("NUMBA_CACHE_DIR", None)
+        done = subprocess.Popen(command, cwd=place, env=environment, text=True, start_new_session=True, **TOLD)
         try:
-            done = subprocess.run(command, cwd=place, env=environment, capture_output=True, timeout=TIMEOUT, text=True)
-            word, output = WORDS.get(done.returncode, "not run"), done.stdout + done.stderr
+            output = done.communicate(timeout=TIMEOUT)[0]
+            word = WORDS.get(done.returncode, "not run")
         except subprocess.TimeoutExpired:
-            word, output = "killed", "it did not end"
+            os.killpg(done.pid, signal.SIGKILL)  # with the workers that it started
+            done.communicate()
+            word, output = "killed", "ERROR it did not end"
     red = next((line.split(" - ")[0] for line in output.splitlines() if line.startswith(("FAILED", "ERROR"))), "")
     print(f"{word:8} {time.perf_counter() - began:5.0f} s  {mutant.room}: {mutant.why}   {red}", flush=True)
     if word == "not run":
@@ -306,7 +314,7 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{SMOOTH} -k 'turned_chain or no_jump'", "turns of a chain are not wrapped",
            equivalent="only the sine of the turn is used where the neighbours differ, and where they coincide a half turn either way is the same heading up to a whole turn"),
     Mutant("fuzzynav/smoothing/measures.py", "(cross, (d[:-1] * d[1:]).sum(axis=1))", "(cross, np.abs((d[:-1] * d[1:]).sum(axis=1)))",
-           f"{SMOOTH} -k 'turning'", "no turn is over a quarter"),
+           f"{SMOOTH} -k 'sharp_corner'", "no turn is over a quarter"),
     Mutant("fuzzynav/smoothing/simplify.py", "kept.append(k - 1)\n    return", "kept.append(k)\n    return",
            f"{SMOOTH} -k 'blocked_node or figure_3_5 or simplified'", "the blocked node itself is kept"),
     Mutant("fuzzynav/smoothing/splines.py", "controls = degree * np.diff(controls, axis=0) / gaps", "controls = np.diff(controls, axis=0) / gaps",
