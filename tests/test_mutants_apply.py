@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.mutants import changed
-from tests.mutations import MUTANTS, Mutant
+from tests.mutants import MUTANTS, Mutant, changed
 
 ROOMS = {
     "robot", "maps", "fuzzy", "world", "sensors", "localization", "mapping", "planning", "smoothing", "simulate",

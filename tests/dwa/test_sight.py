@@ -108,6 +108,15 @@ def test_dropped_beams_leave_a_hole_that_is_not_bridged() -> None:
     assert dwa.plan(told(), THESIS).known[straight] > 5.0
 
 
+def test_both_edges_of_a_hole_bound_what_is_known() -> None:
+    scan = told(ranges=np.where((np.arange(360) >= 200) & (np.arange(360) < 220), np.nan, 5.0))
+    border, radii = dwa.blind_spots(scan, THESIS)
+    for beam in (199, 220):
+        for away in np.linspace(1.0, 4.9, 20):
+            point = away * np.array([np.cos(CIRCLE[beam]), np.sin(CIRCLE[beam])])
+            assert (np.hypot(*(border - point).T) - radii).min() < 0.02
+
+
 def test_beams_may_come_in_any_order() -> None:
     rng = np.random.default_rng(3)
     ranges = rng.uniform(1.0, 4.0, 360)

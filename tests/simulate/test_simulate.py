@@ -168,6 +168,14 @@ def test_every_ending_has_its_name() -> None:
         simulate.run(EMPTY, THESIS, Steady(status="tired"), (0, 0, 0), (9, 0))
 
 
+def test_who_turns_on_the_spot_is_not_stalled_and_who_trembles_is() -> None:
+    turning, still = Loop(stall_time=3.0), Loop(stall_time=3.0, stall_angle=4.0)
+    assert (
+        simulate.run(EMPTY, THESIS, Steady((0, 0.35)), (0, 0, 0), (9, 0), t_max=9.0, loop=turning).status == "timeout"
+    )
+    assert simulate.run(EMPTY, THESIS, Steady((0, 0.35)), (0, 0, 0), (9, 0), t_max=9.0, loop=still).status == "stalled"
+
+
 def test_contact_is_seen_inside_a_step() -> None:
     """A disc grazed between two steps of 1 s still counts."""
     run = simulate.run(
@@ -181,6 +189,14 @@ def test_contact_is_seen_inside_a_step() -> None:
     )
     assert run.status == "collided"
     assert run.min_clearance < 0
+
+
+def test_a_mover_that_runs_past_inside_a_step_is_seen() -> None:
+    """At 4 m/s and steps of 1 s it is 1.6 m away before the step, 2.4 m after it, and over the robot in between."""
+    world = World(movers=(Mover.constant((0.0, -1.6), (0.0, 4.0), 0.1),))
+    run = simulate.run(world, THESIS, Steady((0.0, 0.0)), (0, 0, 0), (9, 0), dt=1.0, t_max=1.0)
+    assert run.contacts_standing == 1
+    assert run.clearance[0] == pytest.approx(-THESIS.radius - 0.1)
 
 
 def test_contacts_of_a_moving_and_of_a_standing_robot_are_counted_apart() -> None:
@@ -293,6 +309,16 @@ def circle(n: int = 63, v: float = 0.5, omega: float = 0.25) -> Run:
         log={},
         status="timeout",
     )
+
+
+@pytest.mark.parametrize("dt", [0.1, 0.02])
+def test_jerk_of_a_speed_that_rises_with_the_square_of_time(dt: float) -> None:
+    """v = 0.3 t^2 has the jerk 0.6 m/s^3 throughout: over 2 s its square adds up to 0.72, at any step."""
+    n = round(2.0 / dt) + 2
+    run = replace(
+        circle(n), t=np.arange(n + 1) * dt, commands=np.stack([0.3 * (np.arange(n) * dt) ** 2, np.zeros(n)], 1)
+    )
+    assert run.jerk == pytest.approx(0.72)
 
 
 def test_metrics_of_a_circle_are_known() -> None:
@@ -453,6 +479,24 @@ def test_a_late_command_acts_late_and_the_first_speed_holds_meanwhile() -> None:
         disturbance=Disturbance(delay=0.3), loop=Loop(velocity=(0.1, 0.0)),
     )  # fmt: skip
     np.testing.assert_allclose(run.driven[:4, 0], [0.1, 0.1, 0.1, 0.2])
+
+
+@dataclass
+class Rising(Steady):
+    """A controller that wants ever more."""
+
+    def __call__(self, observation):
+        self.calls += 1
+        return np.array([0.1 + 0.01 * self.calls, 0.0])
+
+
+def test_what_acts_late_is_the_command_of_then() -> None:
+    run = simulate.run(
+        EMPTY, TURTLEBOT2, Rising(), (0, 0, 0), None, t_max=1.0, laser=None,
+        disturbance=Disturbance(delay=0.3), loop=Loop(velocity=(0.1, 0.0)),
+    )  # fmt: skip
+    np.testing.assert_allclose(run.commands[:, 0], 0.11 + 0.01 * np.arange(10))
+    np.testing.assert_allclose(run.driven[3:, 0], run.commands[:-3, 0])
 
 
 def test_a_scanner_that_is_dead_sees_nothing_and_says_so() -> None:

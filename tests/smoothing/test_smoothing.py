@@ -253,6 +253,13 @@ def test_turning_of_a_circle_and_a_line() -> None:
     assert found["length"] == pytest.approx(4 * np.pi, abs=1e-3)
 
 
+@pytest.mark.parametrize("turn", [0.1, np.pi / 2, 2.5, 3.1])
+def test_a_sharp_corner_turns_by_its_angle(turn):
+    for side in (turn, -turn):
+        corner = [[0, 0], [2, 0], [2 + np.cos(side), np.sin(side)]]
+        assert smoothing.total_turning(corner) == pytest.approx(turn)
+
+
 # -- eta-cubed splines
 
 
