@@ -100,29 +100,6 @@ def test_solutions_pass_and_stubs_are_not_answered(name: str, answer: str) -> No
     assert "not answered yet" in repr(course.check(name, ...))
 
 
-@pytest.mark.parametrize(
-    ("name", "wrong", "says"),
-    [
-        ("08.1", (0.0, 1.0), "neither 0 nor 1"),
-        ("08.1", (0.25, 0.833), "centroid of Little"),
-        ("08.2", lambda pull, push: 0.5, "leave a turn"),
-        ("08.3", lambda avoiding, forecast, enter, leave: forecast < enter, "avoidance must be on"),
-        ("08.4", lambda k, place, curve, most: int(np.argmin(np.hypot(*(curve - place).T))), "time never runs back"),
-        ("08.4", lambda k, place, curve, most: k, "nearest of the indices"),
-        ("08.5", lambda free, f, cruise, creep, brake: (1 - f) * cruise + f * creep, "cannot stop"),
-        (
-            "08.5",
-            lambda free, f, cruise, creep, brake: min(cruise, np.sqrt(2 * brake * free)),
-            "blend cruise and creep",
-        ),
-    ],
-)
-def test_wrong_answers_hear_why(name: str, wrong: object, says: str) -> None:
-    outcome = course.check(name, wrong)
-    assert outcome.points == 0
-    assert says in repr(outcome)
-
-
 # --- pictures
 
 

@@ -20,18 +20,18 @@ START = np.array([0.3, -0.2, 0.4])  # off the reference, so that the gains have 
 
 
 def tracked(reference: Any = SIMULATION, gains: Any = GAINS, dt: float = 0.1) -> np.ndarray:
-    run = tracking.follow(tracking.Dfl(reference, gains, TURTLEBOT2, dt=dt), START, euler=True)
+    run = tracking.follow(tracking.Tracker(reference, gains, TURTLEBOT2, dt=dt), START, euler=True)
     return run.poses[round(3.0 / dt)]
 
 
 def stretched(reference: Any, **change: float) -> np.ndarray:
-    run = tracking.follow(tracking.Dfl(replace(reference, **change), GAINS, TURTLEBOT2, dt=0.1), euler=True)
+    run = tracking.follow(tracking.Tracker(replace(reference, **change), GAINS, TURTLEBOT2, dt=0.1), euler=True)
     return np.append(run.poses[-1], run.t[-1])
 
 
 def saturated(robot: Robot) -> np.ndarray:
     """Three metres and half a turn off: what the limits let the robot do in ten seconds."""
-    law = tracking.Dfl(SIMULATION, tracking.DflGains(kp1=9.0, kp2=9.0, kd1=5.0, kd2=5.0), robot, dt=0.1)
+    law = tracking.Tracker(SIMULATION, tracking.Dfl(kp1=9.0, kp2=9.0, kd1=5.0, kd2=5.0), robot, dt=0.1)
     return tracking.follow(law, [3.0, -2.0, 2.5], duration=10.0).poses
 
 

@@ -116,11 +116,7 @@ def test_the_linear_baseline_is_beaten_only_if_every_condition_is_won(monkeypatc
     assert claims.baseline_is_beaten() is False
 
 
-def test_in_the_stored_study_the_baseline_wins_where_all_disturbances_meet() -> None:
-    table = batch.read(RIVALS)
-    late = table[table["condition"] == "all"].pivot(index="case", columns="method", values="late_rms")
-    ours = late["DFL"].dropna().to_numpy()
-    theirs = late["linear flatness"].dropna().to_numpy()
-    assert len(ours) == len(theirs) == rivals.SEEDS
-    assert np.median(theirs) < np.median(ours)
-    assert (theirs < ours).mean() > 0.6
+def test_in_the_stored_study_neither_wins_everywhere() -> None:
+    shares = rivals.better_share(batch.read(RIVALS), "DFL", "linear flatness")
+    assert (shares[["ideal", "slip", "delay", "wheel radius", "motor lag"]] > 0.9).all()
+    assert (shares[["noise", "all"]] < 0.5).all(), "with measurement noise the linear controller is better more often"

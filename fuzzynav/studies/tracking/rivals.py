@@ -23,6 +23,7 @@ from fuzzynav.tracking.records import POSE, SPEEDS
 from fuzzynav.tracking.reference import FigureEight, Reference
 
 __all__ = [
+    "better_share",
     "CONDITIONS",
     "CONTESTANTS",
     "EIGHT",
@@ -214,6 +215,14 @@ def compare(case: str) -> list[dict[str, Any]]:
             }
         )
     return rows
+
+
+def better_share(table: pd.DataFrame, method: str, other: str, measure: str = "late_rms") -> pd.Series:
+    """For each condition the share of seeds in which one method has the smaller measure than another."""
+    seeds = table.assign(seed=table["case"].str.split("/").str[1])
+    wide = seeds.pivot(index=["condition", "seed"], columns="method", values=measure)
+    smaller = (wide[method] < wide[other]).groupby(level="condition").mean()
+    return smaller.reindex(dict.fromkeys(table["condition"]))
 
 
 def bounds_table(table: pd.DataFrame, quantity: str = "late_max", level: float = 0.95) -> pd.DataFrame:
