@@ -276,7 +276,7 @@ from fuzzynav.localization import particles
 from fuzzynav.mapping import occupancy
 from fuzzynav.maps import kernels
 from fuzzynav.maps.gridmap import GridMap
-from fuzzynav.sensors.scene import Scan
+from fuzzynav.sensors import Scan
 from fuzzynav.world import kernels as world_kernels
 from fuzzynav.world.world import World
 grid = GridMap(np.eye(9, dtype=bool)[::-1])
