@@ -25,8 +25,20 @@ from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
 __all__ = [
-    "ADMISSIBLE", "NUMBERS", "NO_STOP", "NO_TURN_STOP", "PRINTED_SPEED", "PRINTED_TURN", "SETTINGS", "UNSEEN",
-    "brake", "braking", "decide", "is_blind", "stopping", "window",
+    "ADMISSIBLE",
+    "NO_STOP",
+    "NO_TURN_STOP",
+    "NUMBERS",
+    "PRINTED_SPEED",
+    "PRINTED_TURN",
+    "SETTINGS",
+    "UNSEEN",
+    "brake",
+    "braking",
+    "decide",
+    "is_blind",
+    "stopping",
+    "window",
 ]  # fmt: skip
 
 Reasons = NDArray[np.int64]

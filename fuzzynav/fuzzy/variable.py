@@ -17,8 +17,17 @@ from fuzzynav.fuzzy.operators import CONORMS, NORMS
 from fuzzynav.fuzzy.rules import Rule
 from fuzzynav.geometry import Array
 
-__all__ = ["DEFUZZIFIERS", "MAX_RESOLUTION", "MAX_SAMPLES", "QUADRATURES", "Defuzzifier", "RuleBlock", "Variable",
-           "WEIGHTED", "tuple_of"]  # fmt: skip
+__all__ = [
+    "DEFUZZIFIERS",
+    "MAX_RESOLUTION",
+    "MAX_SAMPLES",
+    "QUADRATURES",
+    "WEIGHTED",
+    "Defuzzifier",
+    "RuleBlock",
+    "Variable",
+    "tuple_of",
+]  # fmt: skip
 
 _T = TypeVar("_T")
 

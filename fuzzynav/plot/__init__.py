@@ -4,7 +4,6 @@ from fuzzynav.plot.base import *
 from fuzzynav.plot.blend import *
 from fuzzynav.plot.blit import *
 from fuzzynav.plot.dwa import *
-from fuzzynav.plot.dwa_diagrams import *
 from fuzzynav.plot.fuzzy import *
 from fuzzynav.plot.labs.blend import *
 from fuzzynav.plot.labs.dwa import *

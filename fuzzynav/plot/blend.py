@@ -18,14 +18,14 @@ from fuzzynav.simulate.record import Run
 
 __all__ = [
     "block_corners",
-    "draw_block",
-    "draw_block_map",
     "draw_blend_design",
     "draw_blend_errors",
     "draw_blend_flowchart",
     "draw_blend_framework",
     "draw_blend_path",
     "draw_blend_speeds",
+    "draw_block",
+    "draw_block_map",
     "draw_gate",
     "draw_schemes",
     "draw_weight",

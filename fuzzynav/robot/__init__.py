@@ -38,10 +38,10 @@ from fuzzynav.robot.model import (
 
 __all__ = [
     "PIONEER_3DX",
-    "Robot",
     "THESIS",
     "TURTLEBOT2",
     "TURTLEBOT3_BURGER",
+    "Robot",
     "accelerations",
     "body_from_rims",
     "body_speeds",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from fuzzynav.geometry import Array, wrap
 from fuzzynav.robot.kinematics import pose_rate
@@ -47,6 +46,8 @@ def drive(state: ArrayLike, torques: ArrayLike, dt: float, robot: Robot) -> Arra
     start, torque = np.asarray(state, dtype=float), np.asarray(torques, dtype=float)
     if start.shape != (5,) or torque.shape != (2,) or not (np.isfinite([*start, *torque, dt]).all() and dt >= 0):
         raise ValueError("drive needs a state (5,), torques (2,) and dt >= 0, all finite")
+    from scipy.integrate import solve_ivp  # here: a robot that follows speeds loads no integrator
+
     done = solve_ivp(lambda _, s: state_rate(s, torque, robot), (0.0, dt), start, "DOP853", rtol=1e-10, atol=1e-12)
     end = done.y[:, -1]
     end[2] = wrap(end[2])

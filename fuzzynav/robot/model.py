@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
+from fuzzynav import checks
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS
 
@@ -35,13 +36,9 @@ class Robot:
     source: str
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in ("name", "source", "min_vel_x"):
-                continue
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{field.name} must be positive and finite, got {value}")
-        if not (np.isfinite(self.min_vel_x) and self.min_vel_x <= 0 < self.max_vel_x):
+        checks.positive_fields(self, leave=("name", "source", "min_vel_x"))
+        number = isinstance(self.min_vel_x, int | float | np.integer | np.floating)
+        if not (number and np.isfinite(self.min_vel_x) and self.min_vel_x <= 0 < self.max_vel_x):
             raise ValueError(f"min_vel_x must be finite and at most 0, so that the robot may stop: {self.min_vel_x}")
 
 

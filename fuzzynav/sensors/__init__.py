@@ -27,12 +27,12 @@ from fuzzynav.sensors.sonar import SPEED_OF_SOUND, Sonar, sonar_cone, sonar_idea
 
 __all__ = [
     "EXACT",
-    "Encoders",
-    "Laser",
-    "Odometry",
     "SPEED_OF_LIGHT",
     "SPEED_OF_LIGHT_AS_PRINTED",
     "SPEED_OF_SOUND",
+    "Encoders",
+    "Laser",
+    "Odometry",
     "Scan",
     "Sonar",
     "cameras",

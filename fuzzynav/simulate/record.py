@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import struct
+import tokenize
+import zipfile
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -25,6 +29,23 @@ STATUSES: tuple[str, ...] = (
     "no_path",
     "local_minimum",
     "diverged",  # the motion left every bound
+)
+MOST_BYTES = 1_000_000_000
+# what zip, zlib and numpy raise for a file that was damaged
+DAMAGED = (
+    ValueError,
+    OSError,
+    EOFError,
+    KeyError,
+    TypeError,
+    OverflowError,
+    SyntaxError,
+    RuntimeError,
+    NotImplementedError,
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    tokenize.TokenError,
 )
 MOVING = 0.05  # [m/s] slower than this a path has no curvature worth integrating
 
@@ -51,6 +72,12 @@ class Run:
     def __post_init__(self) -> None:
         if self.status not in STATUSES:
             raise ValueError(f"status '{self.status}' has no name here: use one of {', '.join(STATUSES)}")
+        n = len(self.commands)
+        shapes = {"t": (n + 1,), "poses": (n + 1, 3), "commands": (n, 2), "clearance": (n,), "goal": (2,)}
+        for name, shape in shapes.items():
+            array = np.asarray(getattr(self, name))
+            if array.shape != shape or array.dtype.kind not in "fiu":
+                raise ValueError(f"{name} must be numbers of shape {shape}, got {array.dtype} of shape {array.shape}")
 
     @property
     def success(self) -> bool:
@@ -200,35 +227,55 @@ class Run:
             yield k, self.poses[k], movers[k]
 
     def save(self, path: str | Path) -> None:
-        """Write the run as a compressed npz of plain arrays, without pickle."""
+        """Write the run as a compressed npz of plain arrays, without pickle.
+
+        Raises ValueError for a log that holds anything but plain arrays, OSError if the file cannot be written.
+        """
         log: dict[str, Any] = {f"log_{name}": np.asarray(values) for name, values in self.log.items()}
         plain: dict[str, Any] = {name: getattr(self, name) for name in Run.__dataclass_fields__ if name != "log"}
+        odd = [name for name, values in log.items() if values.dtype == object]
+        if odd:
+            raise ValueError(f"a run is saved as plain arrays; {', '.join(odd)} holds other things")
         with Path(path).open("wb") as file:
             np.savez_compressed(file, **plain, **log)
 
     @classmethod
     def load(cls, path: str | Path) -> Run:
-        """Read a run that `save` wrote.
+        """Read a run that `save` wrote; the file may unpack to a gigabyte at most.
 
-        Raises FileNotFoundError if there is no such file, ValueError if it does not hold a run.
+        Raises FileNotFoundError if there is no such file, ValueError if it is damaged or does not hold a run.
         """
-        with np.load(Path(path), allow_pickle=False) as file:
-            missing = {name for name in cls.__dataclass_fields__ if name != "log"} - set(file.files)
-            if missing:
-                raise ValueError(f"{Path(path).name} does not hold a run: it lacks {', '.join(sorted(missing))}")
-            log = {name.removeprefix("log_"): file[name] for name in file.files if name.startswith("log_")}
-            return cls(
-                t=file["t"],
-                poses=file["poses"],
-                commands=file["commands"],
-                clearance=file["clearance"],
-                log=log,
-                status=str(file["status"]),
-                goal=file["goal"],
-                radius=float(file["radius"]),
-                contacts_moving=int(file["contacts_moving"]),
-                contacts_standing=int(file["contacts_standing"]),
-            )
+        file = Path(path)
+        try:
+            with zipfile.ZipFile(file) as archive:
+                if sum(part.file_size for part in archive.infolist()) > MOST_BYTES:
+                    raise ValueError("it unpacks to more than a gigabyte")
+            with np.load(file, allow_pickle=False) as parts:
+                found = {name: parts[name] for name in parts.files}
+            return _run_of(found)
+        except FileNotFoundError:
+            raise
+        except DAMAGED as error:
+            raise ValueError(f"{file.name} does not hold a run: {error}") from error
+
+
+def _run_of(found: Mapping[str, Array]) -> Run:
+    """The run that named arrays hold."""
+    missing = {name for name in Run.__dataclass_fields__ if name != "log"} - set(found)
+    if missing:
+        raise ValueError(f"it lacks {', '.join(sorted(missing))}")
+    return Run(
+        t=found["t"],
+        poses=found["poses"],
+        commands=found["commands"],
+        clearance=found["clearance"],
+        log={name.removeprefix("log_"): values for name, values in found.items() if name.startswith("log_")},
+        status=str(found["status"]),
+        goal=found["goal"],
+        radius=float(found["radius"]),
+        contacts_moving=int(found["contacts_moving"]),
+        contacts_standing=int(found["contacts_standing"]),
+    )
 
 
 def _reversals(heading: Array, threshold: float) -> int:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.signal import place_poles
 
 from fuzzynav.geometry import Array
 
@@ -77,6 +76,8 @@ def luenberger_gain(poles: tuple[float, float], dt: float) -> Array:
     transition, _ = _chain(dt)
     # the error after correction is (A - L C A) e: place the poles of the pair (A', (C A)')
     seen = transition[:1]
+    from scipy.signal import place_poles  # here: it loads all of scipy.signal and scipy.stats
+
     placed = place_poles(transition.T, seen.T, np.exp(np.asarray(poles) * dt))
     return np.asarray(placed.gain_matrix[0])
 

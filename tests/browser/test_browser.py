@@ -1,5 +1,6 @@
 """A real browser opens JupyterLab, runs a chapter, moves a slider and sees the picture change."""
 
+import contextlib
 import json
 import os
 import shutil
@@ -63,11 +64,9 @@ def wait_for(what: str, ready, seconds: float = 60.0):
     """The first true answer of `ready()`; fails with `what` after the time."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        try:
+        with contextlib.suppress(OSError):  # the server is not up yet
             if answer := ready():
                 return answer
-        except OSError:
-            pass
         time.sleep(0.2)
     pytest.fail(f"waited {seconds:.0f} s in vain for {what}")
 

@@ -373,3 +373,21 @@ def test_lengths_of_a_square_run_seen_by_a_longer_track() -> None:
     path = s.dead_reckon([0, 0, 0], told)
     assert length(path) == pytest.approx(4.0, abs=1e-4)
     assert to_body([0, 0, 0], path[-1:, :2])[0] != pytest.approx([0.0, 0.0], abs=0.1)
+
+
+@pytest.mark.parametrize("counts", [[[0, 0, 0], [1, 1, 1]], [0, 1], [[0.0, np.nan], [1.0, 1.0]]])
+def test_counts_that_are_none_are_refused(counts: list) -> None:
+    with pytest.raises(ValueError, match="counts must be finite rows"):
+        s.odometry(counts, TURTLEBOT2, 100)
+
+
+def test_a_counter_that_runs_over_goes_on() -> None:
+    for kind in (np.uint8, np.uint16, np.uint32):
+        ticks = np.array([[250, 4], [252, 2], [260, -3], [259, -1]])
+        wrapped = (ticks % 2 ** (8 * np.dtype(kind).itemsize)).astype(kind)
+        np.testing.assert_array_equal(s.odometry(wrapped, TURTLEBOT2, 100), s.odometry(ticks, TURTLEBOT2, 100))
+
+
+def test_a_wheel_without_ticks_is_refused() -> None:
+    with pytest.raises(ValueError, match="ticks_per_turn"):
+        s.wheel_angle(3, 0)

@@ -14,6 +14,7 @@ from fuzzynav.sensors import Odometry
 from fuzzynav.simulate import IDEAL_LASER, Disturbance, Loop, Playback
 from fuzzynav.simulate.record import Run
 from fuzzynav.world import Mover, World
+from tests.fuzzing import damages
 
 EMPTY = World()
 
@@ -375,6 +376,33 @@ def test_a_file_that_holds_no_run_is_refused(tmp_path) -> None:
         Run.load(tmp_path / "other.npz")
     with pytest.raises(FileNotFoundError):
         Run.load(tmp_path / "none.npz")
+
+
+def test_damaged_files_of_runs_are_refused_in_a_sentence(tmp_path) -> None:
+    circle().save(tmp_path / "run.npz")
+    whole, rng, said = (tmp_path / "run.npz").read_bytes(), np.random.default_rng(0), []
+    for _ in range(300):
+        (tmp_path / "bad.npz").write_bytes(damages(whole, rng))
+        try:
+            Run.load(tmp_path / "bad.npz")
+        except ValueError as error:
+            said.append(str(error))
+    assert len(said) > 200
+    assert all(text.startswith("bad.npz does not hold a run: ") for text in said)
+
+
+def test_a_run_that_could_not_be_read_again_is_not_made() -> None:
+    good = circle()
+    for name, wrong in (
+        ("t", good.t[:-1]),
+        ("poses", good.poses[:, :2]),
+        ("clearance", good.clearance[:3]),
+        ("goal", [1.0]),
+    ):
+        with pytest.raises(ValueError, match=f"{name} must be numbers of shape"):
+            replace(good, **{name: wrong})
+    with pytest.raises(ValueError, match="plain arrays; log_notes"):
+        replace(good, log={"notes": np.array([object()])}).save("never.npz")
 
 
 def test_a_run_without_steps_has_finite_metrics() -> None:

@@ -157,14 +157,6 @@ def test_a_base_with_equal_rules_is_a_fixed_set() -> None:
     assert not fuzzy.log["uncovered"].any()
 
 
-def test_evolution_finds_the_bottom_of_a_bowl() -> None:
-    target = np.linspace(-1, 1, 6)
-    means = tuning.evolve(lambda x: float(((x - target) ** 2 * np.arange(1, 7)).sum()), np.zeros(6), 0.5, 60)
-    assert np.abs(means[-1] - target).max() < 0.05
-    again = tuning.evolve(lambda x: float(((x - target) ** 2 * np.arange(1, 7)).sum()), np.zeros(6), 0.5, 60)
-    np.testing.assert_array_equal(means[-1], again[-1])
-
-
 def test_the_tuned_base_covers_every_state_and_was_not_fitted_to_the_test_maps() -> None:
     tuned = FuzzySystem.load(RULES / "ours_dwa_tuned.fll")
     assert len(tuned.uncovered(21)) == 0

@@ -9,8 +9,23 @@ from contextlib import contextmanager
 
 from fuzzynav.fuzzy.variable import MAX_RESOLUTION, QUADRATURES
 
-__all__ = ["at", "boolean", "fault", "identifier", "is_plain", "named", "number", "numbers", "quadrature", "quote",
-           "resolution", "same_number", "show", "shortened", "unquote"]  # fmt: skip
+__all__ = [
+    "at",
+    "boolean",
+    "fault",
+    "identifier",
+    "is_plain",
+    "named",
+    "number",
+    "numbers",
+    "quadrature",
+    "quote",
+    "resolution",
+    "same_number",
+    "shortened",
+    "show",
+    "unquote",
+]  # fmt: skip
 
 
 @contextmanager

@@ -6,7 +6,7 @@ set of weights, so that the tuned base can do everything the fixed one can.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -15,13 +15,14 @@ from numpy.typing import ArrayLike
 from fuzzynav.data import folder
 from fuzzynav.dwa.fast import tables_of
 from fuzzynav.dwa.steps import Params
+from fuzzynav.evolve import minimise
 from fuzzynav.fuzzy import FuzzySystem, Rule, Variable
 from fuzzynav.fuzzy.membership import Term
 from fuzzynav.fuzzy.variable import RuleBlock
 from fuzzynav.geometry import Array
 from fuzzynav.studies.dwa.comparison import DENSITIES, TRAINING, best_fixed, mean_score
 
-__all__ = ["VALIDATION", "evolve", "generations", "save_best", "score_generation", "start_vector", "system_of"]
+__all__ = ["VALIDATION", "generations", "save_best", "score_generation", "start_vector", "system_of"]
 
 VALIDATION = tuple(f"{density}/{seed}" for density in DENSITIES for seed in range(20000, 20050))
 GENERATIONS = 32
@@ -117,35 +118,6 @@ def _rules() -> tuple[Rule, ...]:
     )
 
 
-def evolve(cost: Callable[[Array], float], start: Array, sigma: float, generations: int, seed: int = 0) -> list[Array]:
-    """Means of every generation of a covariance matrix adaptation with rank-mu and rank-one updates."""
-    rng, n = np.random.default_rng(seed), len(start)
-    size = 4 + int(3 * np.log(n))
-    parents = size // 2
-    w = np.log(parents + 0.5) - np.log(np.arange(1, parents + 1))
-    w /= w.sum()
-    mu = 1.0 / (w**2).sum()
-    cs, cc = (mu + 2) / (n + mu + 5), (4 + mu / n) / (n + 4 + 2 * mu / n)
-    c1 = 2 / ((n + 1.3) ** 2 + mu)
-    cm = min(1 - c1, 2 * (mu - 2 + 1 / mu) / ((n + 2) ** 2 + mu))
-    damping, chi = 1 + cs, np.sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n**2))
-    mean, cov, ps, pc = start.copy(), np.eye(n), np.zeros(n), np.zeros(n)
-    means = [mean]
-    for _ in range(generations):
-        values, axes = np.linalg.eigh(cov)
-        root = axes * np.sqrt(np.maximum(values, 1e-12))
-        steps = rng.standard_normal((size, n)) @ root.T
-        order = np.argsort([cost(mean + sigma * s) for s in steps], kind="stable")[:parents]
-        move = w @ steps[order]
-        mean = mean + sigma * move
-        ps = (1 - cs) * ps + np.sqrt(cs * (2 - cs) * mu) * (axes / np.sqrt(np.maximum(values, 1e-12))) @ axes.T @ move
-        pc = (1 - cc) * pc + np.sqrt(cc * (2 - cc) * mu) * move
-        cov = (1 - c1 - cm) * cov + c1 * np.outer(pc, pc) + cm * (steps[order].T * w) @ steps[order]
-        sigma *= float(np.exp(cs / damping * (np.linalg.norm(ps) / chi - 1)))
-        means.append(mean)
-    return means
-
-
 def score_generation(case: str) -> dict[str, float]:
     """Training and validation score of one generation's mean; the case is its number and its vector."""
     number, _, text = case.partition(":")
@@ -170,7 +142,7 @@ def generations() -> tuple[str, ...]:
     def cost(vector: Array) -> float:
         return mean_score(base, tables_of(system_of(vector)), TRAINING)["time"]
 
-    means = evolve(cost, start_vector(best), 0.5, GENERATIONS)
+    means = minimise(cost, start_vector(best), 0.5, GENERATIONS)
     return tuple(f"{k}:" + " ".join(f"{x:.5f}" for x in mean) for k, mean in enumerate(means))[::4]
 
 
