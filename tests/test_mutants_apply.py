@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.mutants import MUTANTS, Mutant, changed
+from tests.mutants import MUTANTS, Mutant, changed, imports
 
 ROOMS = {
     "robot", "maps", "fuzzy", "world", "sensors", "localization", "mapping", "planning", "smoothing", "simulate",
@@ -37,3 +37,9 @@ def test_there_are_sixty_in_all_rooms_and_no_two_alike() -> None:
     assert len(counted) >= 60
     assert {m.room for m in counted} == ROOMS
     assert len({(m.path, m.old, m.new) for m in MUTANTS}) == len({m.why for m in MUTANTS}) == len(MUTANTS)
+
+
+def test_the_files_that_a_file_imports_from_are_found() -> None:
+    text = "from fuzzynav.a import b\n    from fuzzynav import g  # now\nfrom fuzzynav.c import (\n  d,\n  e as f,\n)\n"
+    known = [f"fuzzynav/{name}" for name in ("a.py", "c/__init__.py", "c/d.py", "c/e.py", "g/__init__.py", "h.py")]
+    assert imports(text, known) == set(known[:-1])

@@ -191,6 +191,18 @@ def test_exact_centroid_by_hand() -> None:
     assert_allclose(fis(0.25, 0.0)[0], by_hand, rtol=1e-14)
 
 
+@pytest.mark.parametrize(("quadrature", "ends"), [("trapezoid", 0.5), ("sum", 1.0)])
+def test_one_point_and_many_weigh_the_samples_alike(quadrature, ends) -> None:
+    """The set is full at the lower end, whose sample counts half by the trapezoid rule."""
+    fis = system(
+        "if a is Low then y is T", output=variable("y", terms=(tri("T", 0, 0, 1),), quadrature=quadrature, resolution=6)
+    )
+    x, weights = np.linspace(0.0, 1.0, 6), np.array([ends, 1.0, 1.0, 1.0, 1.0, ends])
+    mu = weights * np.minimum(0.5, 1.0 - x)
+    for answer in (fis(0.25, 0.0)[0], *fis(np.full(9, 0.25), np.zeros(9))[0]):
+        assert_allclose(answer, (x * mu).sum() / mu.sum(), rtol=1e-12)
+
+
 polygons = st.lists(st.lists(st.floats(0, 1), min_size=4, max_size=4).map(sorted), min_size=1, max_size=4)
 
 

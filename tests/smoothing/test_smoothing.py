@@ -367,6 +367,15 @@ def test_points_that_make_no_chain(points, words) -> None:
 # -- eta-cubed splines at the edge of what they can be
 
 
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_chain_there_and_back_turns_to_the_same_side_however_it_lies(quarters):
+    turned = np.linalg.matrix_power(np.array([[0, -1], [1, 0]]), quarters)
+    way = np.array([[0, 0], [2, 0], [0, 0]])
+    there, moved = smoothing.chain(way).points(21), smoothing.chain(way @ turned.T).points(21)
+    assert np.abs(there[:, 1]).max() > 0.1
+    assert np.allclose(moved, there @ turned.T, atol=1e-9)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("seed", range(40))
 def test_the_length_is_that_of_scipys_quadrature(seed: int) -> None:
