@@ -175,6 +175,13 @@ def test_a_refactoring_is_accepted_and_a_change_is_not(study: Study, tmp_path: P
         machine.accept(study, 5, tmp_path)
 
 
+def test_a_number_counts_as_the_same_within_the_tolerance_only(study: Study, tmp_path: Path) -> None:
+    machine.run(study, place=tmp_path)
+    for gain, unlike in ((1.0005, 0), (1.02, 4), (0.5, 4)):  # of the values 0 to 4, to a thousandth
+        GAIN[0] = gain
+        assert len(machine.differences(study, 5, place=tmp_path)) == unlike
+
+
 def test_one_command_for_all_of_it(study: Study, tmp_path: Path, monkeypatch, capsys) -> None:  # type: ignore[no-untyped-def]
     monkeypatch.setattr(program, "studies", lambda: (study,))
     monkeypatch.setattr(machine, "folder", lambda name: tmp_path)
