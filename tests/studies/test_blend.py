@@ -1,4 +1,4 @@
-"""Chapter 5, avoidance: the ledger, the studies recomputed in part, the exercises of chapter 08, its pictures."""
+"""Thesis 5, avoidance: the ledger, the studies recomputed in part, the exercises of chapter 08, its pictures."""
 
 import importlib.util
 from pathlib import Path

@@ -170,7 +170,7 @@ def test_what_the_study_says() -> None:
     assert (solved["point_optimum"] <= solved["efficient_kept_length"] + 1e-4).all()
     safe = table[table["safe_length"].notna()]
     assert (safe["safe_optimum"] <= safe["safe_kept_length"] + 1e-3).all()
-    # what chapter 3 claims: fewer cells searched; what it does not keep: the shortest path
+    # what thesis 3 claims: fewer cells searched; what it does not keep: the shortest path
     assert (
         solved.groupby("density")["efficient_searched"].median()
         < solved.groupby("density")["traditional_searched"].median()

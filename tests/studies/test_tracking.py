@@ -1,4 +1,4 @@
-"""Chapter 5, tracking: the reproductions, the studies behind them, and a fixed part of the studies recomputed."""
+"""Thesis 5, tracking: the reproductions, the studies behind them, and a fixed part of the studies recomputed."""
 
 import numpy as np
 import pandas as pd

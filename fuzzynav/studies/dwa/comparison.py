@@ -91,7 +91,7 @@ def methods() -> dict[str, tuple[Params, Tables | None]]:
     return {
         "printed .8 .1 .1": (TABLE_3_3, None),
         "equal": (Params(weights=(1 / 3, 1 / 3, 1 / 3)), None),
-        "chapter 4 .05 .2 .3": (TABLE_4_1, None),
+        "table 4.1 .05 .2 .3": (TABLE_4_1, None),
         "best fixed": (Params(weights=best_fixed()), None),
         "fuzzy 9, else printed": (TABLE_3_3, shipped("thesis_table_3_2")),
         "fuzzy 9, else mid-range": (Params(weights=MID_RANGE), shipped("thesis_table_3_2")),
