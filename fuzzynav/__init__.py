@@ -20,6 +20,7 @@ Imports run one way, from the top of this list to its end; the number is the cha
 - `tracking`      references and the laws that follow them                         04
 - `dwa`           the dynamic window approach, its weights chosen by fuzzy rules   06
 - `blend`         tracking and avoidance blended by a fuzzy weight                 08
+- `fusion`        a global path, a window among moving obstacles, and what keeps them safe  07
 - `evolve`        an evolution strategy that tunes numbers                         06, 10
 - `batch`         sweeps over thousands of cases
 - `studies`       the experiments behind the comparisons, by topic

@@ -15,6 +15,7 @@ from fuzzynav.geometry import Array
 __all__ = ["FAULTS", "Controller", "Observation"]
 
 FAULTS: tuple[str, ...] = ("the pose is not finite", "a point is not finite", "the scanner's range is no length")
+MOVER = 5  # numbers of one mover
 _NONE = np.empty(0)
 
 
@@ -31,6 +32,7 @@ class Observation:
     goal: Array  # (2,) [m]
     points: Array  # (n, 2) [m]
     point_velocities: Array | None = None  # (n, 2) [m/s]
+    movers: Array | None = None  # (m, 5) x, y [m], their velocity [m/s] and radius [m]: told by an ideal tracker
     ranges: Array | None = None  # (k,) [m]
     angles: Array | None = None  # (k,) [rad], body frame
     range_max: float = np.inf  # [m]
@@ -50,6 +52,8 @@ class Observation:
             )
         if points.size and (points.ndim != 2 or points.shape[1] != 2):
             raise ValueError(f"points must be rows of x and y, got an array of shape {points.shape}")
+        if self.movers is not None:
+            self._told_movers()
         ranges, angles, reach = _NONE, _NONE, 1.0
         if self.ranges is not None or self.angles is not None:
             ranges, angles = self._beams()
@@ -59,6 +63,12 @@ class Observation:
             name, value = (("velocity", velocity), ("goal", goal), ("angles", angles))[-found - 1]
             raise ValueError(f"{name} must be finite, got {value.tolist()}")
         return FAULTS[found - 1] if found else ""
+
+    def _told_movers(self) -> None:
+        """Refuse rows of movers that no tracker can have told."""
+        rows = np.asarray(self.movers, dtype=float)
+        if rows.size and (rows.ndim != 2 or rows.shape[1] != MOVER or not np.isfinite(rows).all()):
+            raise ValueError(f"movers must be finite rows of x, y, their velocity and radius, got {rows.tolist()}")
 
     def _beams(self) -> tuple[Array, Array]:
         """Ranges and angles of the scan, of one length."""
