@@ -125,29 +125,24 @@ class Navigator:
             self.until, self.since, anew = now + plan.around, now, True
         if now - self.looked >= plan.check - 1e-9 or anew:
             self.looked = now
-            if self.memory.changes != self.changes or self.map is None or anew:
-                self.changes = self.memory.changes
-                self.map = self.memory.grid()
-                blocked = blocked or not clear_from(self.map, here, self.way, self.at, 0.05)
+            self.map = self.memory.grid(self._aside(here, movers) if now < self.until else None)
+            blocked = blocked or not clear_from(self.map, here, self.way, self.at, 0.05)
             if blocked or anew or now - self.searched >= plan.every:
-                self._search(now, here, goal, movers)
+                self._search(now, here, goal)
         if self.way is not None and self.map is not None:
             self.at = target_of(self.map, here, self.way, self.at, 0.05)
 
-    def _search(self, now, here, goal, movers):
-        grid = self.map
-        if now < self.until and len(movers):
-            near = np.hypot(*(movers[:, :2] - here).T) < 5.0
-            discs = np.column_stack([movers[near, :2], movers[near, 4] + 0.1])
-            grid = self.memory.grid(discs)
-        found = route(grid, here, goal, self.robot.radius, self.planning.rooms, self.planning.options)
+    def _aside(self, here, movers):
+        near = np.hypot(*(movers[:, :2] - here).T) < 5.0
+        return np.column_stack([movers[near, :2], movers[near, 4] + 0.1])
+
+    def _search(self, now, here, goal):
+        found = route(self.map, here, goal, self.robot.radius, self.planning.rooms, self.planning.options)
         self.searched = now
         self.searches += 1
         if found is not None:
             self.way, self.at = found, min(1, len(found.points) - 1)
             self.best = found.length
-            if now >= self.until:
-                self.since = self.since
 
     def _sensed(self, observation, points, movers, own, explained):
         radius = self.robot.radius

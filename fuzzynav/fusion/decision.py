@@ -41,6 +41,7 @@ class Params:
     error: float = 0.0  # [m] bound of the position error of movers
     growth: float = 0.1  # [m/s] of a prediction's uncertainty
     reserve: float = 0.15  # [m] kept from where movers may be, by a robot faster than creep
+    aside: float = 0.12  # [m] kept from where movers are now, where they are not nearer already
     creep: float = 0.05  # [m/s] a robot this slow counts as standing
     guard: bool = True  # movers may be anywhere within the speed bound; False: they are trusted to stand
     hidden: bool = False  # what was not seen may hide a mover
@@ -81,6 +82,6 @@ def settings_of(robot: Robot, params: Params, speed_bound: float) -> tuple[Array
         min(wide, robot.max_vel_x - robot.min_vel_x) / (params.v_samples - 1),
         min(turn, 2.0 * robot.max_vel_theta) / (params.omega_samples - 1),
         params.d_max, params.margin, speed_bound if params.guard else 0.0,
-        params.reserve, params.creep + 1e-9, params.growth,
+        params.reserve, params.aside, params.creep + 1e-9, params.growth,
     )  # fmt: skip
     return limits_of(robot), np.array([values], dtype=kernels.SETTINGS)

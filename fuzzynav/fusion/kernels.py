@@ -38,6 +38,7 @@ SETTINGS = np.dtype(
             ("margin", "f8"),  # [m] kept beyond the stopping distance
             ("speed_bound", "f8"),  # [m/s] no mover is faster
             ("reserve", "f8"),  # [m] kept from movers on top, faster than creep
+            ("aside", "f8"),  # [m] kept from where movers are now
             ("creep", "f8"),  # [m/s] a robot this slow counts as standing
             ("growth", "f8"),  # [m/s] of a prediction's uncertainty
         ],
@@ -244,7 +245,9 @@ def _around(samples: Array, pose: Array, sensed: Any, lim: Any, own: Any) -> tup
     need, time = stopping(fastest, slowest, own.dt), np.ceil(fastest / (slowest * own.dt)) * own.dt
     far = max(own.d_max, need)
     kept, nearest = _kept(pose, points, np.full(points.shape[0], own.margin), lim.radius)
-    still, _ = near_points(pose, points, kept, lim.radius, far)
+    wary, _ = _kept(pose, hazards, hazards[:, 2] + own.aside, lim.radius)
+    stand = np.concatenate((points, hazards[:, :2]))
+    still, _ = near_points(pose, stand, np.concatenate((kept, wary)), lim.radius, far)
     covers, _ = _kept(pose, border, radii, lim.radius)
     gaps, _ = near_points(pose, border[:holes], covers[:holes], lim.radius, far)
     ends, _ = near_points(pose, border[holes:], covers[holes:], lim.radius, far)
@@ -274,7 +277,7 @@ def decide(
 def _warm() -> None:
     """Compile every kernel for the types used in practice."""
     limits = np.array([(0.0, 1.0, 0.35, 0.2, 0.2, 0.87, 0.3)], dtype=LIMITS)
-    settings = np.array([(0.1, 3.0, 3.0, 0.02, 0.05, 2.0, 0.0, 0.5, 0.1, 0.05, 0.0)], dtype=SETTINGS)
+    settings = np.array([(0.1, 3.0, 3.0, 0.02, 0.05, 2.0, 0.0, 0.5, 0.1, 0.1, 0.05, 0.0)], dtype=SETTINGS)
     points, row = np.array([[2.0, 1.0]]), np.array([[2.0, 1.0, 0.3, 0.0, 0.3]])
     sensed = (points, points, np.zeros(1), 0, row[:, :3].copy(), row)
     decide(np.zeros(2), np.zeros(3), np.ones(2), sensed, limits, settings, np.ones(4))

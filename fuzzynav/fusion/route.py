@@ -55,7 +55,8 @@ def _search(grid: GridMap, start: Array, goal: Array, room: float, options: asta
         return None
     free = max(room - 0.75 * grid.resolution, 0.0)
     points = grid.center_of(prune(found.cells, grid, free))
-    points = np.vstack([start, points[1:] if len(points) > 1 else points])
+    near = np.hypot(*(points[0] - start)) < grid.resolution
+    points = np.vstack([start, points[1:] if near and len(points) > 1 else points])
     if grid.clear_line(points[-1], goal, free):
         points[-1] = goal
     return Route(points=points, room=free)
@@ -86,6 +87,8 @@ def clear_from(grid: GridMap, here: Array, way: Route, first: int, slack: float)
 def target_of(grid: GridMap, here: Array, way: Route, first: int, slack: float) -> int:
     """Index of the last turning point that is in clear view from `here`, not before `first`."""
     room, at = max(way.room - slack, 0.0), first
-    while at + 1 < len(way.points) and grid.clear_line(here, way.points[at + 1], room):
+    while at + 1 < len(way.points) and (
+        grid.clear_line(here, way.points[at + 1], room) or np.hypot(*(way.points[at] - here)) < 0.15
+    ):
         at += 1
     return at
