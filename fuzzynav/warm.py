@@ -32,6 +32,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.planning.openlist",
     "fuzzynav.planning.visibility",
     "fuzzynav.robot.kernels",
+    "fuzzynav.simulate.kernels",
     "fuzzynav.tracking.kernels",
     "fuzzynav.world.kernels",
     "fuzzynav.world.timed",
