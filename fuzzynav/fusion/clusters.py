@@ -227,7 +227,7 @@ def fit_disc(
             sign = 1.0 if side == 0 else -1.0
             gx, gy = -sign * np.sin(bearing), sign * np.cos(bearing)
             miss = gx * (x - pose[0]) + gy * (y - pose[1]) + radius
-            w = 12.0 / (reach * gap) ** 2  # an edge is anywhere between two beams
+            w = 12.0 / max(reach * gap, rule.range_noise) ** 2  # an edge is anywhere between two beams
             a, b, c = a + w * gx * gx, b + w * gx * gy, c + w * gx
             d, e, f = d + w * gy * gy, e + w * gy, f + w
             p, q, s = p + w * gx * miss, q + w * gy * miss, s + w * miss
