@@ -19,9 +19,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fuzzynav.geometry import Array
-from fuzzynav.maps.kernels import Mask, Record, distance_at, framed
+from fuzzynav.maps.kernels import Mask, Record, distance_at
 
-__all__ = ["BEAM", "CLUSTER", "DISC", "RULES", "Row", "Rows", "discs", "fit_disc", "seen_free", "segment"]
+__all__ = ["BEAM", "GROUP", "RULES", "Row", "Rows", "at_bearing", "fit_disc", "looked_past", "observe", "segment"]
 
 RULES = np.dtype(
     (
@@ -37,17 +37,43 @@ RULES = np.dtype(
             ("free_margin", "f8"),
             ("beams_min", "i8"),
             ("bridge", "f8"),
+            ("velocity_bound", "f8"),
+            ("acceleration", "f8"),
+            ("turn_share", "f8"),
+            ("gate", "f8"),
+            ("confirm", "i8"),
+            ("coast", "f8"),
+            ("patience", "f8"),
+            ("proof_share", "f8"),
+            ("proofs", "f8"),
+            ("speed_min", "f8"),
         ],
     )
 )
 BEAM = np.dtype(  # a beam that measured something, if only that nothing is near: counter-clockwise, in the world frame
-    (np.record, [("x", "f8"), ("y", "f8"), ("range", "f8"), ("bearing", "f8"), ("gap", "f8"), ("which", "i8")])
-)
-CLUSTER = np.dtype((np.record, [("first", "i8"), ("count", "i8"), ("right_open", "i8"), ("left_open", "i8")]))
-DISC = np.dtype(
     (
         np.record,
         [
+            ("x", "f8"),
+            ("y", "f8"),
+            ("range", "f8"),
+            ("bearing", "f8"),
+            ("turn", "f8"),  # [rad] from the first beam
+            ("gap", "f8"),  # [rad] to the next beam
+            ("which", "i8"),  # its place in the scan
+            ("owner", "i8"),  # the track that it hit; NOBODY, or NOTHING where there is no hit to explain
+        ],
+    )
+)
+GROUP = np.dtype(  # a cluster, which is a slice of the beams, and its disc
+    (
+        np.record,
+        [
+            ("first", "i8"),
+            ("count", "i8"),
+            ("right_open", "i8"),
+            ("left_open", "i8"),
+            ("carved", "i8"),  # 1: cut out of a larger cluster where a track was expected
             ("x", "f8"),
             ("y", "f8"),
             ("radius", "f8"),
@@ -55,10 +81,12 @@ DISC = np.dtype(
             ("xy", "f8"),
             ("yy", "f8"),
             ("spread", "f8"),  # [m] standard deviation of the radius
-            ("misfit", "f8"),  # [m] root mean square distance of the hits from the rim
+            ("misfit", "f8"),  # [m] root mean square distance of the hits from the rim; inf: no disc
         ],
     )
 )
+NOBODY, NOTHING = -1, -2
+WIDE = 0.2  # [rad] what lies in a wider gap between two beams was not seen
 Rows = NDArray[np.void]  # an array of records
 Row = Any  # one of them
 STEPS = 5  # of Gauss and Newton; the fourth changes less than a micrometre
@@ -98,9 +126,28 @@ def _explained(x: float, y: float, occupied: Mask, field: Array, frame: Record, 
 
 
 @njit(cache=True)
-def _open_side(edge: float, beyond: float, gap: float, limit: float, bound: float) -> int:
-    """1 where the beam beside a cluster passes it and ends further away; 0 where that side may be hidden."""
-    return 1 if gap <= limit and beyond > edge + bound else 0
+def _bound(one: Row, other: Row, rules: Record) -> float:
+    """How far apart [m] the hits of two neighbouring beams are at most if they belong together."""
+    across = min(one.range, other.range) * one.gap
+    return float(np.sqrt(across * (across + 2.0 * rules[0].radius_max)) + 3.0 * rules[0].range_noise)
+
+
+@njit(cache=True)
+def _open_side(beams: Rows, edge: int, beside: int, limit: float, rules: Record) -> int:
+    """1 where the beam beside the edge of a cluster passes it and ends further away; 0 where that side may hide."""
+    k = beside % beams.size
+    right = beams[k if beside < edge else edge]
+    if right.gap > limit:
+        return 0
+    other = beams[edge if beside < edge else k]
+    return 1 if beams[k].range > beams[edge].range + _bound(right, other, rules) else 0
+
+
+@njit(cache=True)
+def _between_tangents(nearest: float, half: float) -> float:
+    """Radius [m] of the disc at this nearest range that fills this half angle [rad]."""
+    sine = np.sin(min(half, 1.4))
+    return float(nearest * sine / (1.0 - sine))
 
 
 @njit(cache=True)
@@ -114,7 +161,7 @@ def segment(
     frame: Record,
     rules: Record,
 ) -> tuple[Rows, Rows]:
-    """Beams (not nan, counter-clockwise, a cluster is a slice of them) and clusters of a scan.
+    """Beams (those that are not nan, counter-clockwise) and the clusters among them, each a slice, without discs.
 
     A beam without a hit ends at range_max, one that is blinded at 0. Without a chart `occupied` has no row.
     """
@@ -122,88 +169,69 @@ def segment(
     order = _counter_clockwise(ranges, angles)
     m = order.size
     raw = np.empty(m, dtype=BEAM)
-    usable = np.zeros(m, dtype=np.bool_)
     widest = 0.0
     for j in range(m):
         i = order[j]
-        raw[j].which, raw[j].bearing = i, pose[2] + angles[i]
-        after = angles[order[j + 1 if j + 1 < m else 0]]
-        raw[j].gap = (after - angles[i]) % TURN if m > 1 else TURN
-        widest = max(widest, raw[j].gap)
-        hit = ranges[i] > -np.inf and ranges[i] < np.inf
-        r = min(max(ranges[i], 0.0), range_max, 1e6)
-        raw[j].range = r
-        raw[j].x, raw[j].y = pose[0] + r * np.cos(raw[j].bearing), pose[1] + r * np.sin(raw[j].bearing)
-        usable[j] = hit and not _explained(raw[j].x, raw[j].y, occupied, field, frame, rule.chart_tolerance)
+        beam = raw[j]
+        beam.which, beam.bearing = i, pose[2] + angles[i]
+        beam.gap = (angles[order[j + 1 if j + 1 < m else 0]] - angles[i]) % TURN if m > 1 else TURN
+        widest = max(widest, beam.gap)
+        beam.range = min(max(ranges[i], 0.0), range_max, 1e6)
+        beam.x = pose[0] + beam.range * np.cos(beam.bearing)
+        beam.y = pose[1] + beam.range * np.sin(beam.bearing)
+        beam.owner = NOTHING
+        if ranges[i] > -np.inf and ranges[i] < np.inf:
+            if not _explained(beam.x, beam.y, occupied, field, frame, rule.chart_tolerance):
+                beam.owner = NOBODY
     limit = rule.bridge * (TURN - widest) / max(m - 1, 1)
-    bound = np.empty(m)
     joined = np.zeros(m, dtype=np.bool_)
     start = 0
     for j in range(m):
         k = j + 1 if j + 1 < m else 0
-        near, far, gap = min(raw[j].range, raw[k].range), max(raw[j].range, raw[k].range), raw[j].gap
-        s = near * gap
-        bound[j] = np.sqrt(s * s + 2.0 * rule.radius_max * s) + 3.0 * rule.range_noise
-        if usable[j] and usable[k] and gap <= limit and k != j:
-            apart = (far - near) ** 2 + 2.0 * far * near * (1.0 - np.cos(gap))
-            joined[j] = apart <= bound[j] ** 2
-        if not joined[j] and start == 0:
+        if raw[j].owner == NOBODY and raw[k].owner == NOBODY and raw[j].gap <= limit and k != j:
+            apart = (raw[j].x - raw[k].x) ** 2 + (raw[j].y - raw[k].y) ** 2
+            joined[j] = apart <= _bound(raw[j], raw[k], rules) ** 2
+        if start == 0 and not joined[j]:
             start = k
     beams = np.empty(m, dtype=BEAM)
     for j in range(m):
         beams[j] = raw[(start + j) % m]
-    found = np.empty(m, dtype=CLUSTER)
-    n = 0
-    first = 0
+        beams[j].turn = (beams[j].bearing - beams[0].bearing) % TURN
+    found = np.empty(m, dtype=GROUP)
+    n = first = 0
     for j in range(m):
-        here = (start + j) % m
-        if j < m - 1 and joined[here]:
+        if j < m - 1 and joined[(start + j) % m]:
             continue
         count = j + 1 - first
-        if usable[here] and count >= rule.beams_min:
-            before = (start + first - 1) % m
-            after = (here + 1) % m
-            found[n].first, found[n].count = first, count
-            opening = count < m
-            found[n].right_open = opening and _open_side(
-                beams[first].range, raw[before].range, raw[before].gap, limit, bound[before]
-            )
-            found[n].left_open = opening and _open_side(
-                beams[j].range, raw[after].range, raw[here].gap, limit, bound[here]
-            )
+        if beams[j].owner == NOBODY and count >= rule.beams_min:
+            group = found[n]
+            group.first, group.count, group.carved, group.misfit = first, count, 0, np.inf
+            group.right_open = group.left_open = 0
+            if count < m:
+                group.right_open = _open_side(beams, first, first - 1, limit, rules)
+                group.left_open = _open_side(beams, j, j + 1, limit, rules)
             n += 1
         first = j + 1
     return beams, found[:n]
 
 
 @njit(cache=True)
-def fit_disc(
-    beams: Rows,
-    cluster: Row,
-    pose: Array,
-    known: float,
-    doubt: float,
-    rules: Record,
-    out: Row,
-) -> None:
-    """Write into `out` the disc of one cluster, its radius known before as `known` with standard deviation `doubt`."""
+def fit_disc(beams: Rows, group: Row, pose: Array, known: float, doubt: float, rules: Record) -> None:
+    """Fit the disc of one cluster, whose radius is known before as `known` with the standard deviation `doubt`."""
     rule = rules[0]
-    first, last = cluster.first, cluster.first + cluster.count - 1
+    first, last = group.first, group.first + group.count - 1
     left = beams[last].bearing + 0.5 * beams[last].gap
     before = beams[first - 1 if first > 0 else beams.size - 1].gap
     right = beams[first].bearing - 0.5 * before
     nearest = np.inf
     for j in range(first, last + 1):
         nearest = min(nearest, beams[j].range)
-    middle = beams[first].bearing + 0.5 * ((beams[last].bearing - beams[first].bearing) % TURN)
+    middle = beams[first].bearing + 0.5 * (beams[last].turn - beams[first].turn)
     radius = min(max(known, rule.radius_min), rule.radius_max)
-    if cluster.right_open and cluster.left_open:  # tangent to both lines of sight, touching the nearest range
-        middle = right + 0.5 * ((left - right) % TURN)
-        wide = np.sin(min(0.5 * ((left - right) % TURN), 1.4))
-        guess = min(max(nearest * wide / (1.0 - wide), rule.radius_min), rule.radius_max)
-        radius = guess if doubt >= rule.radius_spread else radius
-    u, v = np.cos(middle), np.sin(middle)
-    x, y = pose[0] + (nearest + radius) * u, pose[1] + (nearest + radius) * v
+    if group.right_open and group.left_open and doubt >= rule.radius_spread:
+        half = 0.5 * (beams[last].turn - beams[first].turn) + 0.25 * (before + beams[last].gap)
+        radius = min(max(_between_tangents(nearest, half), rule.radius_min), rule.radius_max)
+    x, y = pose[0] + (nearest + radius) * np.cos(middle), pose[1] + (nearest + radius) * np.sin(middle)
     start_x, start_y, loose = x, y, 1.0 / rule.radius_max**2
     weight = 1.0 / rule.range_noise**2
     a = b = c = d = e = f = 0.0  # the normal equations: xx, xy, xr, yy, yr, rr
@@ -219,15 +247,14 @@ def fit_disc(
             d, e, f = d + weight * gy * gy, e - weight * gy, f + weight
             p, q, s = p + weight * gx * miss, q + weight * gy * miss, s - weight * miss
         for side in range(2):
-            if (side == 0 and not cluster.left_open) or (side == 1 and not cluster.right_open):
+            if (side == 0 and not group.left_open) or (side == 1 and not group.right_open):
                 continue
             bearing = left if side == 0 else right
-            gap = beams[last].gap if side == 0 else before
-            reach = beams[last].range if side == 0 else beams[first].range
+            wide = beams[last].gap * beams[last].range if side == 0 else before * beams[first].range
             sign = 1.0 if side == 0 else -1.0
             gx, gy = -sign * np.sin(bearing), sign * np.cos(bearing)
             miss = gx * (x - pose[0]) + gy * (y - pose[1]) + radius
-            w = 12.0 / max(reach * gap, rule.range_noise) ** 2  # an edge is anywhere between two beams
+            w = 12.0 / max(wide, rule.range_noise) ** 2  # an edge is anywhere between two beams
             a, b, c = a + w * gx * gx, b + w * gx * gy, c + w * gx
             d, e, f = d + w * gy * gy, e + w * gy, f + w
             p, q, s = p + w * gx * miss, q + w * gy * miss, s + w * miss
@@ -239,72 +266,63 @@ def fit_disc(
     total = 0.0
     for j in range(first, last + 1):
         total += (np.hypot(x - beams[j].x, y - beams[j].y) - radius) ** 2
-    more = max(total * weight / max(cluster.count - 1, 1), 1.0)  # no disc, or a worse scanner: believe it less
+    more = max(total * weight / max(group.count - 1, 1), 1.0)  # no disc, or a worse scanner: believe it less
     det = a * (d * f - e * e) - b * (b * f - c * e) + c * (b * e - c * d)
-    out.x, out.y, out.radius = x, y, radius
-    out.xx, out.xy = more * (d * f - e * e) / det, more * (c * e - b * f) / det
-    out.yy, out.spread = more * (a * f - c * c) / det, np.sqrt(more * (a * d - b * b) / det)
-    out.misfit = np.sqrt(total / cluster.count)
+    group.x, group.y, group.radius = x, y, radius
+    group.xx, group.xy = more * (d * f - e * e) / det, more * (c * e - b * f) / det
+    group.yy, group.spread = more * (a * f - c * c) / det, np.sqrt(more * (a * d - b * b) / det)
+    group.misfit = np.sqrt(total / group.count)
 
 
 @njit(cache=True)
-def discs(beams: Rows, clusters: Rows, pose: Array, rules: Record) -> Rows:
-    """A disc for each cluster, with nothing known before but radius_mean and radius_spread.
-
-    A cluster that is wider than the largest disc, or fits none, has misfit inf.
-    """
+def observe(
+    ranges: Array,
+    angles: Array,
+    pose: Array,
+    range_max: float,
+    occupied: Mask,
+    field: Array,
+    frame: Record,
+    rules: Record,
+) -> tuple[Rows, Rows]:
+    """Beams and clusters as by `segment`, with a disc for each that is one, its radius known as by RULES only."""
     rule = rules[0]
-    out = np.empty(clusters.size, dtype=DISC)
-    for k in range(clusters.size):
-        first, last = clusters[k].first, clusters[k].first + clusters[k].count - 1
-        out[k].misfit = np.inf
+    beams, groups = segment(ranges, angles, pose, range_max, occupied, field, frame, rules)
+    for k in range(groups.size):
+        first, last = groups[k].first, groups[k].first + groups[k].count - 1
         wide = np.hypot(beams[last].x - beams[first].x, beams[last].y - beams[first].y)
-        if wide > 2.0 * rule.radius_max + 6.0 * rule.range_noise:
-            continue
-        fit_disc(beams, clusters[k], pose, rule.radius_mean, rule.radius_spread, rules, out[k])
-        if not out[k].misfit <= rule.misfit_max:
-            out[k].misfit = np.inf
-    return out
+        if wide <= 2.0 * rule.radius_max + 6.0 * rule.range_noise:
+            fit_disc(beams, groups[k], pose, rule.radius_mean, rule.radius_spread, rules)
+            if not groups[k].misfit <= rule.misfit_max:
+                groups[k].misfit = np.inf
+    return beams, groups
 
 
 @njit(cache=True)
-def seen_free(x: Array, y: Array, beams: Rows, pose: Array, margin: float) -> NDArray[np.bool_]:
-    """Whether the scan `beams` from `pose` looked past each point: both beams beside it end further away.
+def at_bearing(beams: Rows, bearing: float) -> int:
+    """Index of the last beam that is not left of a bearing [rad], counted counter-clockwise from the first."""
+    last = beams.size - 1
+    turn = (bearing - beams[0].bearing) % TURN
+    j = min(int(turn / max(beams[last].turn, 1e-9) * last), last)  # beams are mostly even
+    while j < last and beams[j + 1].turn <= turn:
+        j += 1
+    while j > 0 and beams[j].turn > turn:
+        j -= 1
+    return j
+
+
+@njit(cache=True)
+def looked_past(beams: Rows, pose: Array, x: float, y: float, margin: float) -> bool:
+    """Whether the scan `beams` from `pose` saw the point free: both beams beside it end further away.
 
     Further by `margin` [m] and half the way between the two beams there. A point in a wide gap was not seen.
     """
-    out = np.zeros(x.size, dtype=np.bool_)
-    m = beams.size
-    if m < 2:
-        return out
-    base = beams[0].bearing
-    for k in range(x.size):
-        dx, dy = x[k] - pose[0], y[k] - pose[1]
-        turn = (np.arctan2(dy, dx) - base) % TURN
-        low, high = 0, m  # the last beam that is not left of the point
-        while high - low > 1:
-            mid = (low + high) // 2
-            if (beams[mid].bearing - base) % TURN <= turn:
-                low = mid
-            else:
-                high = mid
-        gap = beams[low].gap
-        if gap > 0.1:
-            continue
-        away = np.hypot(dx, dy)
-        shorter = min(beams[low].range, beams[low + 1 if low + 1 < m else 0].range)
-        out[k] = away + margin + 0.5 * gap * away < shorter
-    return out
-
-
-def _warm() -> None:
-    """Compile every kernel with the types that the tracker hands over."""
-    none, field = np.zeros((0, 0), dtype=np.bool_), np.zeros((0, 0))
-    for array in (none, field):
-        array.setflags(write=False)
-    rules = np.array([(0.01, 0.1, 0.75, 0.35, 0.2, 0.05, 0.1, 0.05, 2, 3.5)], dtype=RULES)
-    rules.setflags(write=False)
-    angles, pose = np.linspace(-0.1, 0.1, 5), np.zeros(3)
-    beams, found = segment(np.ones(5), angles, pose, 5.0, none, field, framed(1.0, (0.0, 0.0)), rules)
-    discs(beams, found, pose, rules)
-    seen_free(np.ones(1), np.zeros(1), beams, pose, 0.05)
+    if beams.size < 2:
+        return False
+    dx, dy = x - pose[0], y - pose[1]
+    j = at_bearing(beams, np.arctan2(dy, dx))
+    gap, away = beams[j].gap, np.hypot(dx, dy)
+    if gap > WIDE:
+        return False
+    shorter = min(beams[j].range, beams[j + 1 if j + 1 < beams.size else 0].range)
+    return bool(away + margin + 0.5 * gap * away < shorter)

@@ -22,7 +22,7 @@ from fuzzynav import checks
 from fuzzynav.control import Observation
 from fuzzynav.fusion import clusters, filters
 from fuzzynav.fusion.clusters import RULES, Rows
-from fuzzynav.fusion.filters import GAINS, TRACK, kalman_step
+from fuzzynav.fusion.filters import FAR, TRACK, kalman_step
 from fuzzynav.geometry import Array, sealed
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.maps.kernels import Record, framed
@@ -52,7 +52,7 @@ class TrackParams:
     confirm: int = 3  # matches until a track is told
     coast: float = 2.0  # [s] a hidden track lives on
     patience: float = 0.25  # [s] a track lives on while scans look through the place where it should be
-    look_back: tuple[float, float] = (0.3, 1.0)  # [s] ages of the scans that prove motion
+    look_back: tuple[float, ...] = (0.3, 1.0)  # [s] ages of the scans that prove motion
     free_margin: float = 0.05  # [m] seen free means by more than this
     proof_share: float = 0.34  # of the hits of a track prove it moving
     proofs: int = 2  # scans with proof make it a mover
@@ -63,18 +63,13 @@ class TrackParams:
         checks.share(turn_share=self.turn_share, proof_share=self.proof_share)
         if not (self.radius_min < self.radius_max and self.beams_min >= 2 and 0.0 < self.turn_share < 1.0):
             raise ValueError(f"radius_min < radius_max, beams_min >= 2 and 0 < turn_share < 1 expected, got {self}")
-        if len(self.look_back) != 2 or not 0.0 < self.look_back[0] <= self.look_back[1] < np.inf:
-            raise ValueError(f"look_back must be two rising times, got {self.look_back}")
+        ages = np.asarray(self.look_back, dtype=float)
+        if not (ages.size and ages[0] > 0.0 and (np.diff(ages) > 0.0).all() and np.isfinite(ages).all()):
+            raise ValueError(f"look_back must be positive rising times, got {self.look_back}")
 
     def rules(self) -> Record:
-        """The part that kernels read scans by."""
+        """All that kernels read."""
         return sealed(np.array([tuple(getattr(self, name) for name in RULES.names or ())], dtype=RULES))
-
-    def gains(self) -> Record:
-        """The part that kernels filter by."""
-        jump = self.velocity_bound / np.sqrt(2.0)  # each component of the difference of two velocities in the bound
-        cost = 2.0 * np.log((1.0 - self.turn_share) / self.turn_share)
-        return sealed(np.array([(self.acceleration, jump, cost, self.gate, self.velocity_bound)], dtype=GAINS))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,22 +95,12 @@ class Tracks:
         return np.column_stack([self.centers, self.velocities, self.radii])[self.moving]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Past:
-    """A scan that was seen: when, from where, its beams, and the track that each of them hit."""
-
-    time: float
-    pose: Array
-    beams: Rows
-    ids: NDArray[np.int64]
-
-
 class Tracker:
     """Follows moving discs through scans; call `update` once for every scan, `reset` before every run."""
 
     def __init__(self, params: TrackParams = TrackParams()) -> None:
         self.params = params
-        self.rules, self.gains = params.rules(), params.gains()
+        self.rules = params.rules()
         self.reset()
 
     def reset(self) -> None:
@@ -123,7 +108,7 @@ class Tracker:
         self.tracks = np.zeros(0, dtype=TRACK)
         self.time = -np.inf
         self.next_id = 0
-        self.past: deque[_Past] = deque()
+        self.past: deque[tuple[Array, Rows]] = deque()  # moments and beams, oldest first
 
     def update(self, observation: Observation, chart: GridMap | None = None) -> Tracks:
         """The tracks after one more scan; what the chart explains is nobody's hit.
@@ -136,102 +121,47 @@ class Tracker:
         time = float(observation.time)
         if not self.time < time < np.inf:
             raise ValueError(f"time must grow from scan to scan, got {time} after {self.time}: reset between runs")
-        pose = np.array(observation.pose, dtype=float)
         ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
+        moment = np.array([*observation.pose, time, time - self.time])
         mask, field, frame = NO_CHART if chart is None else _read(chart)
-        beams, groups = clusters.segment(
-            ranges, angles, pose, float(observation.range_max), mask, field, frame, self.rules
-        )
-        owners = self._match(time, pose, beams, groups)
-        self._judge(time, pose, beams, owners)
+        reach = float(observation.range_max)
+        beams, groups = clusters.observe(ranges, angles, moment, reach, mask, field, frame, self.rules)
+        self._match(moment, beams, groups)
+        labels = self._judge(moment, beams, ranges.size)
         self.time = time
-        return self._told(ranges.size, beams, owners)
+        return self._told(labels)
 
-    def _match(self, time: float, pose: Array, beams: Rows, groups: Rows) -> NDArray[np.int64]:
-        """Correct, begin and end tracks; for each beam the id of the track that it hit."""
-        found = clusters.discs(beams, groups, pose, self.rules)
-        old, dt = self.tracks, time - self.time
-        owner = np.full(groups.size, -1)
-        if old.size:
-            now = filters.ahead(old, dt, self.gains)
-            cost = filters.costs(now, found, dt, self.gains)
-            pairs = np.column_stack(linear_sum_assignment(cost))
-            pairs = pairs[cost[pairs[:, 0], pairs[:, 1]] < filters.FAR]
-            fits = filters.refit(now, pairs, beams, groups, pose, self.rules)
-            filters.correct(old, now, fits, pairs, time, dt, self.gains)
-            owner[pairs[:, 1]] = now["id"][pairs[:, 0]]
-            old = now[self._alive(now, time, dt, pose, beams)]
-        self.tracks = old
-        self._begin(time, found, owner)
-        return filters.owners(beams, groups, owner)
+    def _match(self, moment: Array, beams: Rows, groups: Rows) -> None:
+        """Match tracks and clusters at the least cost; correct, end and begin tracks."""
+        now, groups, cost = filters.propose(self.tracks, beams, groups, moment, self.rules)
+        rows, columns = linear_sum_assignment(cost)
+        good = cost[rows, columns] < FAR
+        now["match"][rows[good]] = columns[good]
+        self.tracks, self.next_id = filters.settle(self.tracks, now, beams, groups, moment, self.rules, self.next_id)
 
-    def _alive(self, now: Rows, time: float, dt: float, pose: Array, beams: Rows) -> NDArray[np.bool_]:
-        """Which tracks live on: matched, or hidden not too long, or only just seen through."""
-        lost = now["seen"] < time
-        x, y = np.array(now["mean"][:, 0]), np.array(now["mean"][:, 1])
-        now["absent"] += dt * (lost & clusters.seen_free(x, y, beams, pose, 0.0))
-        kept = (now["absent"] <= self.params.patience) & (time - now["seen"] <= self.params.coast)
-        return ~lost | (kept & (now["hits"] >= self.params.confirm))
-
-    def _begin(self, time: float, found: Rows, owner: NDArray[np.int64]) -> None:
-        """A track for each disc that is nobody's; one inside a disc that is tracked is a part of that."""
-        free = np.flatnonzero((owner < 0) & np.isfinite(found["misfit"]))
-        fresh = np.zeros(free.size, dtype=TRACK)
-        count = 0
-        doubt = 0.25 * self.params.velocity_bound**2  # each component of any velocity within the bound
-        for k in free:
-            disc = found[k]
-            away = np.hypot(self.tracks["mean"][:, 0] - disc["x"], self.tracks["mean"][:, 1] - disc["y"])
-            within = np.flatnonzero((away < self.tracks["radius"]) & (self.tracks["seen"] == time))
-            if within.size:
-                owner[k] = self.tracks["id"][within[0]]
-                continue
-            track = fresh[count]
-            track["id"], track["born"], track["seen"], track["hits"] = self.next_id, time, time, 1
-            track["mean"] = disc["x"], disc["y"], 0.0, 0.0
-            track["cov"] = np.diag([disc["xx"], disc["yy"], doubt, doubt])
-            track["cov"][0, 1] = track["cov"][1, 0] = disc["xy"]
-            track["radius"], track["spread"] = disc["radius"], disc["spread"]
-            owner[k], self.next_id, count = self.next_id, self.next_id + 1, count + 1
-        self.tracks = np.concatenate([self.tracks, fresh[:count]])
-
-    def _judge(self, time: float, pose: Array, beams: Rows, owners: NDArray[np.int64]) -> None:
-        """Which tracks move: scans prove it, and their velocity is more than its doubt."""
-        p, tracks = self.params, self.tracks
-        share = np.zeros(tracks.size)
-        for age in p.look_back:
-            then = next((s for s in reversed(self.past) if time - s.time >= age - 1e-9), None)
-            if then is not None and tracks.size:
-                ids = np.array(tracks["id"])
-                seen = filters.proofs(ids, beams, owners, pose, then.beams, then.ids, then.pose, p.free_margin)
-                share = np.maximum(share, seen)
-        speed = np.hypot(tracks["mean"][:, 2], tracks["mean"][:, 3])
-        doubt = np.sqrt(0.5 * (tracks["cov"][:, 2, 2] + tracks["cov"][:, 3, 3]))
-        seen_now = tracks["seen"] == time
-        proof = np.clip(tracks["proof"] + np.where(share >= p.proof_share, 1.0, -0.5), 0.0, p.proofs + 1.0)
-        tracks["proof"] = np.where(seen_now, proof, tracks["proof"])
-        fast = speed > np.maximum(p.speed_min, 2.0 * doubt)
-        begins = (tracks["proof"] >= p.proofs) & fast
-        stays = (tracks["moving"] > 0) & (speed > 0.5 * p.speed_min) & (tracks["proof"] > 0.0)
-        tracks["moving"] = np.where(seen_now, begins | stays, tracks["moving"])
-        self.past.append(_Past(time, pose, beams, owners))
-        while len(self.past) > 1 and time - self.past[1].time >= p.look_back[1]:
+    def _judge(self, moment: Array, beams: Rows, size: int) -> NDArray[np.int64]:
+        """Decide which tracks move; for each beam the row of its track among the confirmed ones, -1 for none."""
+        shares, time = np.zeros(self.tracks.size), moment[3]
+        for age in self.params.look_back:
+            for past, then in reversed(self.past):
+                if time - past[3] >= age - 1e-9:
+                    shares = filters.judge(self.tracks, beams, moment, then, past, shares, self.rules)
+                    break
+        self.past.append((moment, beams))
+        while len(self.past) > 1 and time - self.past[1][0][3] >= self.params.look_back[-1]:
             self.past.popleft()
+        return filters.labels(self.tracks, beams, shares, time, size, self.rules)
 
-    def _told(self, size: int, beams: Rows, owners: NDArray[np.int64]) -> Tracks:
+    def _told(self, labels: NDArray[np.int64]) -> Tracks:
         """The confirmed tracks."""
         told = self.tracks[self.tracks["hits"] >= self.params.confirm]
-        rows = np.full(self.next_id + 1, -1)  # the last stands for id -1
-        rows[told["id"]] = np.arange(told.size)
-        labels = np.full(size, -1)
-        labels[beams["which"]] = rows[owners]
         mean = told["mean"]
         return Tracks(
-            ids=np.array(told["id"]),
+            ids=told["id"].copy(),
             centers=mean[:, :2].copy(),
             velocities=mean[:, 2:].copy(),
-            radii=np.array(told["radius"]),
-            covariances=np.array(told["cov"]),
+            radii=told["radius"].copy(),
+            covariances=told["cov"].copy(),
             ages=self.time - told["born"],
             unseen=self.time - told["seen"],
             moving=told["moving"] > 0,
