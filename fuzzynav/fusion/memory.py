@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from fuzzynav.control import Observation
 from fuzzynav.geometry import Array
@@ -13,6 +14,7 @@ from fuzzynav.maps.gridmap import GridMap
 __all__ = ["Memory"]
 
 Mask = NDArray[np.bool_]
+BLOCK = np.ones((3, 3), dtype=np.bool_)
 
 
 class Memory:
@@ -44,9 +46,11 @@ class Memory:
             self.seen, self.known, frame, pose, ranges, observation.angles, standing, float(observation.range_max)
         )
 
-    def grid(self, discs: Array | None = None) -> GridMap:
-        """The map now; rows x, y, radius [m] of `discs` are blocked too."""
-        blocked = self.known | self.seen
+    def grid(self, discs: Array | None = None, wary: float = 0.0) -> GridMap:
+        """The map now; what was seen is grown by `wary` [m], and rows x, y, radius [m] of `discs` are blocked too."""
+        cells = round(wary / self.resolution)
+        seen = ndimage.binary_dilation(self.seen, BLOCK, cells) if cells and self.seen.any() else self.seen
+        blocked = self.known | seen
         if discs is not None and len(discs):
             rows, cols = np.indices(blocked.shape)
             x, y = self.origin[0] + (cols + 0.5) * self.resolution, self.origin[1] + (rows + 0.5) * self.resolution
