@@ -34,6 +34,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.robot.kernels",
     "fuzzynav.tracking.kernels",
     "fuzzynav.world.kernels",
+    "fuzzynav.world.timed",
 )
 
 

@@ -16,7 +16,7 @@ from fuzzynav.robot import Robot, body_speeds, kernels, limit, move
 from fuzzynav.sensors import EXACT, Laser, Odometry, laser_scan
 from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
 from fuzzynav.simulate.record import Run
-from fuzzynav.world import World, movers_start, movers_step
+from fuzzynav.world import MoverState, World, movers_between, movers_start, movers_step
 
 __all__ = ["IDEAL_LASER", "Loop", "Playback", "run", "stands_free"]
 
@@ -34,6 +34,8 @@ class Loop:
     stall_distance: float = 0.05
     stall_angle: float = 0.2  # [rad] and turned by less than this
     stop_at_contact: bool = True
+    standing: float = STILL  # [m/s] a robot that is no faster stands: what touches it then ran into it
+    end_when_struck: bool = False
     heading: float | None = None  # [rad] at the start; None: towards the goal, where start has no heading
     velocity: tuple[float, float] = (0.0, 0.0)  # v [m/s], omega [rad/s] at the start
     by_euler: bool = False  # integrate as the thesis does, not along exact arcs
@@ -41,6 +43,7 @@ class Loop:
     def __post_init__(self) -> None:
         if not (self.goal_tolerance > 0 and self.stall_time > 0 and self.stall_distance >= 0):
             raise ValueError(f"tolerance and times must be positive, got {self}")
+        checks.not_negative(standing=self.standing)
         checks.finite(self.velocity, "Loop.velocity (v, omega)", 2)
 
 
@@ -79,10 +82,10 @@ def run(
 ) -> Run:
     """Drive `robot` from `start` (x, y[, theta]) until the goal, a contact, standing still, or t_max [s].
 
-    laser None: nothing is scanned. track_movers: an ideal tracker tells the velocity of every point. goal None: the
-    controller's status or t_max ends the run. The same arguments and seed give the same run, bit for bit; rng None is
-    seed 0. Raises ValueError for times that are not positive, a start that touches something, a goal that lies
-    outside the world or inside an obstacle, or an object that is no controller.
+    laser None: nothing is scanned. track_movers: an ideal tracker tells the movers, and the velocity of every point.
+    goal None: the controller's status or t_max ends the run. The same arguments and seed give the same run, bit for
+    bit; rng None is seed 0. Raises ValueError for times that are not positive, a start that touches something, a goal
+    that lies outside the world or inside an obstacle, or an object that is no controller.
     """
     loop = loop or Loop()
     first, target = _checked(world, robot, start, goal, loop)
@@ -103,7 +106,7 @@ def run(
         wish = np.array(controller(state.observe(k * dt)), dtype=float)
         if wish.shape != (2,) or not np.isfinite(wish).all():
             raise ValueError(f"the controller returned {wish.tolist()} at {k * dt:.1f} s: give finite (v, omega)")
-        state.advance(wish, k, dt, loop.by_euler)
+        state.advance(wish, k, dt, loop)
         state.keep(controller.evidence, wish)
         status = _ending(state, controller.status, loop, dt)
     return state.run(status or "timeout", dt)
@@ -148,7 +151,7 @@ class _State:
         self.traffic_rng, self.rng = rng.spawn(2)  # noise must not change how the movers walk
         self.pose, self.believed = start.copy(), start.copy()
         self.traffic = movers_start(self.world, self.traffic_rng)
-        self.movers = self.traffic.positions
+        self.movers, self.radii = self.traffic.positions, np.array([m.radius for m in self.world.movers])
         self.poses: list[Array] = [self.pose]
         self.commands: list[Array] = []
         self.clearances: list[float] = []
@@ -186,28 +189,31 @@ class _State:
                 _, owners = self.world.cast_labelled(self.pose, scan.angles, laser.range_max, self.movers)
                 speeds = np.vstack([self.traffic.velocities, np.zeros(2)])  # -1: what stands
                 told["point_velocities"] = speeds[owners[scan.hits]]
+        if self.senses.track_movers:
+            told["movers"] = np.column_stack([self.movers, self.traffic.velocities, self.radii])
         return Observation(time=time, pose=pose, velocity=self.measured.copy(), goal=self.goal.copy(), **told)
 
-    def advance(self, wish: Array, k: int, dt: float, by_euler: bool) -> None:
+    def advance(self, wish: Array, k: int, dt: float, loop: Loop) -> None:
         """Step k of truth: limits, delay, motors, robot, movers, contact, odometry."""
         self.command = limit(wish, self.command, self.robot, dt)
         self.commands.append(self.command)
         acting = self.commands[k - self.late] if k >= self.late else self.first
-        start, old, driven = self.pose, self.movers, np.empty(2)
+        start, before, driven = self.pose, self.traffic, np.empty(2)
         self.pose = start.copy()
-        kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, by_euler, driven)
+        kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, loop.by_euler, driven)
         self.driven = driven
         self.velocity = body_speeds(self.wheels, self.robot) if "driven" in self.track else acting
-        self.traffic = movers_step(self.traffic, dt, self.pose, self.traffic_rng)
+        stands = bool(abs(driven[0]) <= loop.standing)
+        self.traffic = movers_step(before, dt, self.pose, self.traffic_rng, self.robot.radius, stands)
         self.movers = self.traffic.positions
-        self.clearances.append(self._least_clearance(start, driven, dt, old))
-        self._count_contact(abs(driven[0]) > STILL)
+        self.clearances.append(self._least_clearance(start, driven, dt, before))
+        self._count_contact(not stands, bool(abs(driven[0]) > STILL))
         self.poses.append(self.pose)
         self._odometry(driven, dt)
 
-    def _least_clearance(self, start: Array, driven: Array, dt: float, old: Array) -> float:
+    def _least_clearance(self, start: Array, driven: Array, dt: float, before: MoverState) -> float:
         """Least clearance [m] of the rim during the step; looked at more closely where the step could matter."""
-        radius, way = self.robot.radius, abs(driven[0]) * dt
+        old, radius, way = before.positions, self.robot.radius, abs(driven[0]) * dt
         way += float(np.hypot(*(self.movers - old).T).max(initial=0.0))
         end = float(self.world.clearance(self.pose[:2], self.movers)) - radius
         if end > way + 0.05:
@@ -216,13 +222,15 @@ class _State:
         points = move(start, driven, shares * dt)[:, :2]
         if not len(old):
             return min(end, float(self.world.clearance(points, old).min()) - radius)
-        standing = [old + u * (self.movers - old) for u in shares]
+        standing = [movers_between(before, self.traffic, u) for u in shares]
         between = [float(self.world.clearance(p, m)) for p, m in zip(points, standing, strict=True)]
         return min(end, min(between) - radius)
 
-    def _count_contact(self, moving: bool) -> None:
-        """A contact counts once, when it begins; by whether the robot drove."""
+    def _count_contact(self, moving: bool, creeping: bool) -> None:
+        """A contact counts once, when it begins; by whether the robot drove, or crept into what stands."""
         now = self.clearances[-1] <= 0.0
+        if now and creeping and not moving:
+            moving = bool(self.world.clearance(self.pose[:2], []) <= self.robot.radius)
         if now and not self.touching:
             self.contacts[0 if moving else 1] += 1
         elif now and moving and not self.contacts[0]:
@@ -268,6 +276,8 @@ def _ending(state: _State, named: str | None, loop: Loop, dt: float) -> str:
     """The status that ends the run now, or ''; `named` is what the controller says."""
     if state.contacts[0] and loop.stop_at_contact:
         return "collided"
+    if state.contacts[1] and loop.end_when_struck:
+        return "struck"
     if state.way <= loop.goal_tolerance:
         return "reached"
     if named:
