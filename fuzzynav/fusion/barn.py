@@ -82,9 +82,9 @@ def jackal(top_speed: float, radius: float) -> Robot:
         dec_lim_x=10.0,
         acc_lim_theta=20.0,
         mass=17.0,
-        inertia=0.46,
+        inertia=0.63,
         source="accelerations and turning: the benchmark's DWA parameters; wheels and mass: Clearpath's data sheet; "
-        "reversing and inertia: ours",
+        "reversing, and inertia of a uniform box: ours",
     )
 
 
