@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike
 from fuzzynav import checks
 from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot import Robot, body_speeds, kernels, limit, move
-from fuzzynav.sensors import EXACT, Laser, Odometry, laser_scan
+from fuzzynav.robot import Robot, body_speeds, kernels, limits_of, move
+from fuzzynav.sensors import EXACT, Laser, Odometry
 from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
+from fuzzynav.simulate.kernels import Walk, least_clearance
 from fuzzynav.simulate.record import Run
-from fuzzynav.world import MoverState, World, movers_between, movers_start, movers_step
+from fuzzynav.simulate.senses import Senses
+from fuzzynav.world import MoverState, World, movers_start, movers_step
 
 __all__ = ["IDEAL_LASER", "Loop", "Playback", "run", "stands_free"]
 
@@ -94,7 +96,7 @@ def run(
         raise ValueError(f"a controller is callable and has reset(), status and evidence; lacking: {lacking}")
     if not (dt > 0 and t_max >= dt and np.isfinite(t_max)):
         raise ValueError(f"dt must be positive and t_max at least one step, got dt {dt} and t_max {t_max}")
-    senses = _Senses(world, laser, odometry, track_movers)
+    senses = Senses(world, laser, odometry, track_movers)
     state = _State(robot, first, target, senses, np.random.default_rng(0 if rng is None else rng))
     steps = int(np.floor(t_max / dt + 1e-9))
     state.disturb(disturbance, loop, steps, dt)
@@ -132,27 +134,17 @@ def _checked(world: World, robot: Robot, start: ArrayLike, goal: ArrayLike | Non
     return (a if a.size == 3 else np.append(a, towards)), b[:2]
 
 
-@dataclass(frozen=True, slots=True)
-class _Senses:
-    """The world, and what of it an experiment grants the controller."""
-
-    world: World
-    laser: Laser | None
-    odometry: Odometry
-    track_movers: bool
-
-
 class _State:
     """The truth of one run while it is made, and its record."""
 
-    def __init__(self, robot: Robot, start: Array, goal: Array, senses: _Senses, rng: np.random.Generator) -> None:
+    def __init__(self, robot: Robot, start: Array, goal: Array, senses: Senses, rng: np.random.Generator) -> None:
         self.robot, self.goal, self.senses, self.world = robot, goal, senses, senses.world
         self.root = rng
         self.traffic_rng, self.rng = rng.spawn(2)  # noise must not change how the movers walk
         self.pose, self.believed = start.copy(), start.copy()
         self.traffic = movers_start(self.world, self.traffic_rng)
-        self.movers, self.radii = self.traffic.positions, np.array([m.radius for m in self.world.movers])
-        self.poses: list[Array] = [self.pose]
+        self.movers = self.traffic.positions
+        self.limits = limits_of(robot)
         self.commands: list[Array] = []
         self.clearances: list[float] = []
         self.track: dict[str, list[Any]] = {"believed": [self.believed], "movers": [self.movers], "wish": []}
@@ -161,6 +153,8 @@ class _State:
 
     def disturb(self, disturbance: Disturbance, loop: Loop, steps: int, dt: float) -> None:
         """Draw what disturbs the run, and set the wheels turning as they turn at the start."""
+        self.poses = np.empty((steps + 1, 3))
+        self.poses[0] = self.pose
         self.plant = disturbance.plant(self.robot)[0]
         self.late = round(disturbance.delay / dt)
         self.noise, self.slip = np.zeros((steps, 3)), np.zeros((steps, 2))
@@ -179,23 +173,14 @@ class _State:
 
     def observe(self, time: float) -> Observation:
         """What the sensors grant."""
-        laser, pose = self.senses.laser, self.believed + self.noise[len(self.commands)]
-        told: dict[str, Any] = {"points": np.empty((0, 2))}
-        if laser is not None:
-            scan = laser_scan(self.world, self.pose, laser, self.rng, self.movers)
-            told = {"points": scan.world_points(pose), "ranges": scan.ranges, "angles": scan.angles}
-            told["range_max"] = laser.range_max
-            if self.senses.track_movers:
-                _, owners = self.world.cast_labelled(self.pose, scan.angles, laser.range_max, self.movers)
-                speeds = np.vstack([self.traffic.velocities, np.zeros(2)])  # -1: what stands
-                told["point_velocities"] = speeds[owners[scan.hits]]
-        if self.senses.track_movers:
-            told["movers"] = np.column_stack([self.movers, self.traffic.velocities, self.radii])
+        pose = self.believed + self.noise[len(self.commands)]
+        told = self.senses.told(self.pose, pose, self.traffic, self.rng)
         return Observation(time=time, pose=pose, velocity=self.measured.copy(), goal=self.goal.copy(), **told)
 
     def advance(self, wish: Array, k: int, dt: float, loop: Loop) -> None:
         """Step k of truth: limits, delay, motors, robot, movers, contact, odometry."""
-        self.command = limit(wish, self.command, self.robot, dt)
+        last, self.command = self.command, wish.copy()
+        kernels.limits(self.command.reshape(1, 2), last.reshape(1, 2), self.limits, dt)
         self.commands.append(self.command)
         acting = self.commands[k - self.late] if k >= self.late else self.first
         start, before, driven = self.pose, self.traffic, np.empty(2)
@@ -208,23 +193,15 @@ class _State:
         self.movers = self.traffic.positions
         self.clearances.append(self._least_clearance(start, driven, dt, before))
         self._count_contact(not stands, bool(abs(driven[0]) > STILL))
-        self.poses.append(self.pose)
+        self.poses[k + 1] = self.pose
         self._odometry(driven, dt)
 
     def _least_clearance(self, start: Array, driven: Array, dt: float, before: MoverState) -> float:
-        """Least clearance [m] of the rim during the step; looked at more closely where the step could matter."""
-        old, radius, way = before.positions, self.robot.radius, abs(driven[0]) * dt
-        way += float(np.hypot(*(self.movers - old).T).max(initial=0.0))
-        end = float(self.world.clearance(self.pose[:2], self.movers)) - radius
-        if end > way + 0.05:
-            return end
-        shares = np.array([0.2, 0.4, 0.6, 0.8])
-        points = move(start, driven, shares * dt)[:, :2]
-        if not len(old):
-            return min(end, float(self.world.clearance(points, old).min()) - radius)
-        standing = [movers_between(before, self.traffic, u) for u in shares]
-        between = [float(self.world.clearance(p, m)) for p, m in zip(points, standing, strict=True)]
-        return min(end, min(between) - radius)
+        """Least clearance [m] of the rim during the step."""
+        now, world = self.traffic, self.world
+        walk = Walk(before.positions, now.positions, before.travelled, now.travelled)
+        radius = float(self.robot.radius)
+        return float(least_clearance(world.scene, now.fleet, walk, start, self.pose, driven, float(dt), radius))
 
     def _count_contact(self, moving: bool, creeping: bool) -> None:
         """A contact counts once, when it begins; by whether the robot drove, or crept into what stands."""
@@ -260,7 +237,7 @@ class _State:
         n = len(self.commands)
         return Run(
             t=dt * np.arange(n + 1, dtype=np.float64),
-            poses=np.array(self.poses),
+            poses=self.poses[: n + 1].copy(),
             commands=np.array(self.commands).reshape(n, 2),
             clearance=np.array(self.clearances),
             log={k: np.array(v) for k, v in self.track.items()},
@@ -282,13 +259,20 @@ def _ending(state: _State, named: str | None, loop: Loop, dt: float) -> str:
         return "reached"
     if named:
         return str(named)
-    if not np.abs(state.pose).max() < FAR:
+    x, y, theta = state.pose.tolist()
+    if not (abs(x) < FAR and abs(y) < FAR and abs(theta) < FAR):
         return "diverged"
-    if np.isfinite(loop.stall_time):
-        back = int(np.ceil(loop.stall_time / dt - 1e-9))
-        if len(state.poses) > back:
-            gone = np.array(state.poses[-back - 1 :]) - state.poses[-back - 1]
-            turned = np.abs(wrap(gone[:, 2])).max()
-            if np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle:
-                return "stalled"
-    return ""
+    return "stalled" if np.isfinite(loop.stall_time) and _stalled(state, loop, dt) else ""
+
+
+def _stalled(state: _State, loop: Loop, dt: float) -> bool:
+    """Whether the last steps led nowhere."""
+    back, n = int(np.ceil(loop.stall_time / dt - 1e-9)), len(state.commands)
+    if n < back:
+        return False
+    gone = state.poses[n] - state.poses[n - back]
+    if np.hypot(gone[0], gone[1]) > 1.001 * loop.stall_distance:
+        return False  # the usual case, without a look at all of them
+    gone = state.poses[n - back : n + 1] - state.poses[n - back]
+    turned = np.abs(wrap(gone[:, 2])).max()
+    return bool(np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle)
