@@ -47,6 +47,8 @@ RULES = np.dtype(
             ("proof_share", "f8"),
             ("proofs", "f8"),
             ("speed_min", "f8"),
+            ("drift", "f8"),
+            ("witnesses", "i8"),
         ],
     )
 )
