@@ -168,7 +168,7 @@ def _carve(now: Rows, beams: Rows, groups: Rows, moment: Array, rules: Record) -
         if j < m - 1 and near[j + 1] == near[j] and unclear[j + 1] == unclear[j]:
             continue
         count = j + 1 - first
-        if near[j] >= 0 and count >= rules[0].beams_min:
+        if near[j] >= 0 and count >= rules[0].witnesses:
             whole, part, track = groups[unclear[j]], more[n], now[near[j]]
             part.first, part.count, part.carved = first, count, 1
             part.right_open = whole.right_open if whole.first == first else 0
@@ -237,6 +237,7 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     now.radius, now.spread = group.radius, max(group.spread, 0.2 * FOUND)
     now.seen, now.absent = moment[3], 0.0
     now.hits += 1
+    now.proof -= group.carved  # what is carved out of a wall must prove anew that it moves
 
 
 @njit(cache=True)

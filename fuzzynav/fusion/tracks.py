@@ -38,7 +38,7 @@ class TrackParams:
     """What the tracker believes of scanner and movers. Raises ValueError for values out of range."""
 
     range_noise: float = 0.01  # [m] standard deviation of a range
-    radius_min: float = 0.1  # [m] discs are fitted between these two
+    radius_min: float = 0.15  # [m] discs are fitted between these two
     radius_max: float = 0.75
     radius_mean: float = 0.35  # [m] believed of a disc never seen before, with its standard deviation
     radius_spread: float = 0.2
@@ -50,12 +50,12 @@ class TrackParams:
     acceleration: float = 0.02  # [m^2/s^3] spectral density of the white acceleration noise between turns
     turn_share: float = 0.05  # of the steps have a sudden turn or stop, by a velocity of any size within the bound
     gate: float = 13.8  # squared Mahalanobis distance that 1 of 1000 right pairs exceeds (chi-square, 2 degrees)
-    confirm: int = 3  # matches until a track is told
+    confirm: int = 2  # matches until a track is told
     coast: float = 2.0  # [s] a hidden track lives on
     patience: float = 0.25  # [s] a track lives on while scans look through the place where it should be
-    look_back: tuple[float, ...] = (0.3, 1.0)  # [s] ages of the scans that prove motion
-    free_margin: float = 0.05  # [m] seen free means by more than this
-    proof_share: float = 0.34  # of the hits of a track prove it moving
+    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion
+    free_margin: float = 0.03  # [m] seen free means by more than this
+    proof_share: float = 0.2  # of the hits of a track prove it moving
     witnesses: int = 4  # hits that a track has at least in a scan that shall prove something
     proofs: int = 2  # scans with proof make it a mover
     speed_min: float = 0.06  # [m/s] slower than this nothing moves
