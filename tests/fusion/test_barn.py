@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from fuzzynav.control import Controller
 from fuzzynav.fusion import barn
 from fuzzynav.fusion.protocol import measure
+from tests.fusion.barn_files import write_barn
 
 REAL = Path(os.environ.get("BARN_FOLDER", "nowhere"))
 needs_real = pytest.mark.skipif(not REAL.is_dir(), reason="BARN_FOLDER names no folder with the benchmark's files")
@@ -35,20 +36,7 @@ class Ahead(Controller):
 
 @pytest.fixture
 def packed(tmp_path):
-    """Three hundred worlds of two discs each, world n with one in row n % 64."""
-    cells = np.zeros((300, 64, 30), dtype=bool)
-    for n in range(300):
-        cells[n, n % 64, 3] = cells[n, 10, 29] = True
-    lengths = 10.0 + np.arange(300) / 100.0
-    np.savez(tmp_path / "barn300.npz", occupied=np.packbits(cells), shape=[300, 64, 30], x0=-4.425, y0=0.075, cell=0.15,
-             radius=0.075, optimal_length=lengths)  # fmt: skip
-    worlds = [[[4.0, [[0.0, -5.0, 3.0], [1.0, -5.0, 4.0], [4.0, -5.0, 7.0]]]] for _ in range(60)]
-    # world 7: a mover stands where the robot starts, from 3 s to 5 s of its loop
-    worlds[7] = [[40.0, [[0.0, 5.0, 5.0], [3.0, 11.0, 0.0], [5.0, 11.0, 0.0], [8.0, 5.0, 5.0], [40.0, 5.0, 6.0]]]]
-    shared = {"mover_radius": 0.5, "walls": [[-10, 0, 0.5, 20], [0, 10, 20, 0.5], [0, -10, 20, 0.5]]}
-    text = json.dumps({**shared, "start": [11, 0, 3.14], "goal": [-9, 0], "worlds": worlds})
-    (tmp_path / "dynabarn60.json").write_text(text)
-    return tmp_path
+    return write_barn(tmp_path)
 
 
 def sdf(discs):
