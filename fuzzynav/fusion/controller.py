@@ -26,7 +26,7 @@ NO_POINTS, NO_RADII, NO_DISCS, NO_TRACKS = np.empty((0, 2)), np.empty(0), np.emp
 class Planning:
     """How the way over the map is sought, and when anew; all ours."""
 
-    options: astar.Options = astar.ENHANCED
+    options: astar.Options = astar.OPTIMAL
     resolution: float = 0.1  # [m] of the map
     rooms: tuple[float, ...] = (0.25, 0.1)  # [m] beyond the robot's radius, widest first
     every: float = 2.0  # [s] between two searches
@@ -57,7 +57,7 @@ class Navigator:
         self.robot, self.params, self.planning = robot, params or Params(), planning or Planning()
         self.speed_bound, self.chart, self.tracker = speed_bound, chart, tracker
         self.wary = 0.1 if self.params.guard and speed_bound > 0 else 0.0
-        self.memory = Memory(chart, self.planning.resolution)
+        self.memory = Memory(chart, self.planning.resolution, fades=speed_bound > 0.0)
         self.reset()
 
     def reset(self) -> None:
