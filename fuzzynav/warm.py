@@ -24,6 +24,8 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.dwa.sight",
     "fuzzynav.fusion.clusters",
     "fuzzynav.fusion.filters",
+    "fuzzynav.fusion.kernels",
+    "fuzzynav.fusion.memory",
     "fuzzynav.fusion.tracks",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",

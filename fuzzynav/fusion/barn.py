@@ -59,7 +59,7 @@ PHASE_STEP = 3.0  # [s]
 START, GOAL = (-2.25, 3.0, np.pi / 2.0), (-2.25, 13.0)
 CELL, SHIFT = 0.15, (-4.575, 5.075)  # [m] of the provided paths' lattice, and where its cell (0, 0) lies
 UTM = Laser(beams=720, field_of_view=np.radians(270.0), range_min=0.0, range_max=30.0, noise=0.001)
-PROTOCOL_LOOP = Loop(goal_tolerance=1.0, stall_time=np.inf)  # their only other ending is the time
+PROTOCOL_LOOP = Loop(goal_tolerance=1.0, stall_time=np.inf, end_when_struck=True)  # their only other ending is the time
 T_MAX = 100.0  # [s]
 TOP = 2.0  # [m/s] at which the score's best time is driven
 DWA_AS_PROMISED = {"success": 0.88, "metric": 0.1693}  # of move_base's DWA, by the repository's README

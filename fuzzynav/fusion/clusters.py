@@ -332,3 +332,7 @@ def looked_past(beams: Rows, pose: Array, x: float, y: float, margin: float) -> 
         return False
     shorter = min(beams[j].range, beams[j + 1 if j + 1 < beams.size else 0].range)
     return bool(away + margin + 0.5 * gap * away < shorter)
+
+
+def _warm() -> None:
+    """Nothing of its own: the tracker's `_warm` compiles these kernels with the types that it hands over."""

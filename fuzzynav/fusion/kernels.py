@@ -23,6 +23,7 @@ __all__ = ["ADMISSIBLE", "NO_STOP", "REACHABLE", "SETTINGS", "UNSEEN", "Ground",
 Reasons = NDArray[np.int64]
 
 TOUCH = 1e-4  # [m] a gap that counts as contact
+LATE = 0.05  # [s] contacts nearer than this in time are equally late
 ADMISSIBLE, NO_STOP, UNSEEN, REACHABLE = range(4)
 
 SETTINGS = np.dtype(
@@ -41,6 +42,7 @@ SETTINGS = np.dtype(
             ("aside", "f8"),  # [m] kept from where movers are now
             ("creep", "f8"),  # [m/s] a robot this slow counts as standing
             ("growth", "f8"),  # [m/s] of a prediction's uncertainty
+            ("evades", "?"),  # the guard yields where it would be struck
         ],
     )
 )
@@ -168,15 +170,21 @@ def _rate(
 
 
 @njit(cache=True)
-def _eligible(reasons: Reasons, contact: Array) -> NDArray[np.bool_]:
-    """Admissible samples without a predicted contact; where there is none, those whose contact comes last."""
-    n, latest = reasons.shape[0], -np.inf
+def _eligible(reasons: Reasons, contact: Array, evades: bool) -> NDArray[np.bool_]:
+    """Admissible samples without a predicted contact; where there is none, those whose contact comes last.
+
+    A robot that evades prefers a way without predicted contact that the guard refuses to a contact.
+    """
+    n, worst = reasons.shape[0], ADMISSIBLE
+    latest = np.full(REACHABLE + 1, -np.inf)
+    for i in range(n):
+        latest[reasons[i]] = max(latest[reasons[i]], contact[i])
+    if evades and latest[ADMISSIBLE] < np.inf and latest[REACHABLE] > latest[ADMISSIBLE]:
+        worst = REACHABLE
+    top = min(latest[worst], 1e9) - LATE
     out = np.zeros(n, dtype=np.bool_)
     for i in range(n):
-        if reasons[i] == ADMISSIBLE:
-            latest = max(latest, contact[i])
-    for i in range(n):
-        out[i] = reasons[i] == ADMISSIBLE and contact[i] >= min(latest, 1e9) - 0.05
+        out[i] = (reasons[i] == ADMISSIBLE or reasons[i] == worst) and contact[i] >= top
     return out
 
 
@@ -257,29 +265,40 @@ def _around(samples: Array, pose: Array, sensed: Any, lim: Any, own: Any) -> tup
 
 
 @njit(cache=True)
+def _within(samples: Array, cap: float) -> Array:
+    """The samples that are not faster than the cap; of those all are, the slowest, and the emergency one always."""
+    n, slowest = samples.shape[0] - 1, samples[:, 0].min()
+    kept = np.ones(n + 1, dtype=np.bool_)
+    for i in range(n):
+        kept[i] = samples[i, 0] <= max(cap, slowest)
+    return samples[kept]
+
+
+@njit(cache=True)
 def decide(
-    velocity: Array, pose: Array, target: Array, sensed: Any, limits: Array, settings: Array, weights: Array
+    velocity: Array, pose: Array, target: Array, sensed: Any, body: Any, settings: Any, weights: Array
 ) -> tuple[Array, Array, Array, Reasons, Array, Array, int]:
     """One decision: samples, raw scores, ways, reasons, shares, totals and the index of the best; -1 where none is.
 
     sensed: points, border, its radii, how many bound gaps, hazards (x, y, radius) and tracks (x, y, velocity, radius),
-    all in the world.
+    all in the world; body: the robot's limits, and the speed that the sub-goal allows.
     """
+    limits, cap = body
     lim, own = limits[0], settings[0]
-    samples = window(velocity[0], velocity[1], lim, own)
+    samples = _within(window(velocity[0], velocity[1], lim, own), cap)
     ground, nearest = _around(samples, pose, sensed, lim, own)
     c, s, dx, dy = np.cos(pose[2]), np.sin(pose[2]), target[0] - pose[0], target[1] - pose[1]
     raw, ways, reasons = _rate(samples, np.array([c * dx + s * dy, c * dy - s * dx]), ground, nearest, lim, own)
-    shares, totals, best = _choose(raw, _eligible(reasons, ways[:, 4]), samples, weights)
+    shares, totals, best = _choose(raw, _eligible(reasons, ways[:, 4], own.evades), samples, weights)
     return samples, raw, ways, reasons, shares, totals, best
 
 
 def _warm() -> None:
     """Compile every kernel for the types used in practice."""
     limits = np.array([(0.0, 1.0, 0.35, 0.2, 0.2, 0.87, 0.3)], dtype=LIMITS)
-    settings = np.array([(0.1, 3.0, 3.0, 0.02, 0.05, 2.0, 0.0, 0.5, 0.1, 0.1, 0.05, 0.0)], dtype=SETTINGS)
+    settings = np.array([(0.1, 3.0, 3.0, 0.02, 0.05, 2.0, 0.0, 0.5, 0.1, 0.1, 0.05, 0.0, False)], dtype=SETTINGS)
     points, row = np.array([[2.0, 1.0]]), np.array([[2.0, 1.0, 0.3, 0.0, 0.3]])
     sensed = (points, points, np.zeros(1), 0, row[:, :3].copy(), row)
-    decide(np.zeros(2), np.zeros(3), np.ones(2), sensed, limits, settings, np.ones(4))
+    decide(np.zeros(2), np.zeros(3), np.ones(2), sensed, (limits, 1.0), settings, np.ones(4))
     stays_clear(0.5, 0.1, 0.2, 0.1, 0.5, row[:, :3].copy(), 0.1)
     least_gap(0.5, 0.1, row, 3.0, 0.2, 0.0)

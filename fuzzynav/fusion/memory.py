@@ -23,13 +23,11 @@ class Memory:
     """The map that a planner searches: cells of `resolution` [m], blocked by the given map or by what was seen.
 
     Without a given map it covers `reach` [m] around the first pose and the goal. A scan that ends in a cell speaks
-    three times as loud for it as one that looks over its centre speaks against it; what no scan met counts as free. Where
-    nothing moves (`fades` False), what was seen stays.
+    three times as loud for it as one that looks over its centre speaks against it; what no scan met counts as free.
+    Where nothing moves (`fades` False), what was seen stays.
     """
 
-    def __init__(
-        self, chart: GridMap | None, resolution: float = 0.1, reach: float = 6.0, fades: bool = True
-    ) -> None:
+    def __init__(self, chart: GridMap | None, resolution: float = 0.1, reach: float = 6.0, fades: bool = True) -> None:
         self.chart, self.wanted, self.reach, self.fades = chart, resolution, reach, fades
         self.reset()
 

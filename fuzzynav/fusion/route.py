@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,10 @@ class Route:
     def length(self) -> float:
         """Length [m]."""
         return length(self.points)
+
+    def left(self, here: Array, first: int) -> float:
+        """Length [m] from `here` over the turning points from `first` on."""
+        return length(np.vstack([here, self.points[first:]]))
 
 
 def route(
@@ -81,7 +86,7 @@ def clear_from(grid: GridMap, here: Array, way: Route, first: int, slack: float)
     """Whether the way from `here` over the turning points from `first` on is free for its room less `slack` [m]."""
     points = np.vstack([here, way.points[first:]])
     room = max(way.room - slack, 0.0)
-    return all(grid.clear_line(a, b, room) for a, b in zip(points[:-1], points[1:], strict=True))
+    return all(grid.clear_line(a, b, room) for a, b in pairwise(points))
 
 
 def target_of(grid: GridMap, here: Array, way: Route, first: int, slack: float) -> int:
