@@ -26,7 +26,7 @@ NO_POINTS, NO_RADII, NO_DISCS, NO_TRACKS = np.empty((0, 2)), np.empty(0), np.emp
 class Planning:
     """How the way over the map is sought, and when anew; all ours."""
 
-    options: astar.Options = astar.ENHANCED
+    options: astar.Options = astar.OPTIMAL
     resolution: float = 0.1  # [m] of the map
     rooms: tuple[float, ...] = (0.25, 0.1)  # [m] beyond the robot's radius, widest first
     every: float = 2.0  # [s] between two searches
@@ -56,7 +56,8 @@ class Navigator:
     ) -> None:
         self.robot, self.params, self.planning = robot, params or Params(), planning or Planning()
         self.speed_bound, self.chart, self.tracker = speed_bound, chart, tracker
-        self.memory = Memory(chart, self.planning.resolution)
+        self.wary = 0.1 if self.params.guard and speed_bound > 0 else 0.0
+        self.memory = Memory(chart, self.planning.resolution, fades=speed_bound > 0.0)
         self.reset()
 
     def reset(self) -> None:
@@ -99,10 +100,9 @@ class Navigator:
             return movers, own, explained
         if self.tracker is not None:
             tracks = self.tracker.update(observation, self.chart)
-            moving = tracks.moving
             labels = tracks.labels[np.isfinite(observation.ranges)]
-            own = np.isin(labels, tracks.ids[moving]) & (labels >= 0)
-            return tracks.movers[moving], own, explained
+            own = (labels >= 0) & np.append(tracks.moving, False)[labels]
+            return tracks.movers, own, explained
         return NO_TRACKS, np.zeros(len(points), dtype=bool), explained
 
     def _remember(self, observation, standing):
@@ -125,7 +125,7 @@ class Navigator:
             self.until, self.since, anew = now + plan.around, now, True
         if now - self.looked >= plan.check - 1e-9 or anew:
             self.looked = now
-            self.map = self.memory.grid(self._aside(here, movers) if now < self.until else None)
+            self.map = self.memory.grid(self._aside(here, movers) if now < self.until else None, self.wary)
             blocked = blocked or not clear_from(self.map, here, self.way, self.at, 0.05)
             if blocked or anew or now - self.searched >= plan.every:
                 self._search(now, here, goal)

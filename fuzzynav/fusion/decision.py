@@ -37,7 +37,7 @@ class Params:
     v_samples: int = 11  # of a whole window
     omega_samples: int = 21
     d_max: float = 2.0  # [m] clearances beyond it score alike
-    margin: float = 0.03  # [m] kept from what stands, where the robot is not nearer already
+    margin: float = 0.01  # [m] kept from what stands, where the robot is not nearer already
     error: float = 0.0  # [m] bound of the position error of movers
     growth: float = 0.1  # [m/s] of a prediction's uncertainty
     reserve: float = 0.15  # [m] kept from where movers may be, by a robot faster than creep
@@ -77,11 +77,13 @@ def settings_of(robot: Robot, params: Params, speed_bound: float) -> tuple[Array
     """Limits and settings as the kernels take them."""
     wide = max(robot.acc_lim_x, robot.dec_lim_x) * params.dt * 2.0
     turn = robot.acc_lim_theta * params.dt * 2.0
+    bound = speed_bound if params.guard else 0.0
+    reserve, aside = (params.reserve, params.aside) if bound > 0.0 else (0.0, params.margin)
     values = (
         params.dt, params.sim_time, params.aim_time,
         min(wide, robot.max_vel_x - robot.min_vel_x) / (params.v_samples - 1),
         min(turn, 2.0 * robot.max_vel_theta) / (params.omega_samples - 1),
-        params.d_max, params.margin, speed_bound if params.guard else 0.0,
-        params.reserve, params.aside, params.creep + 1e-9, params.growth,
+        params.d_max, params.margin, bound,
+        reserve, aside, params.creep + 1e-9, params.growth,
     )  # fmt: skip
     return limits_of(robot), np.array([values], dtype=kernels.SETTINGS)

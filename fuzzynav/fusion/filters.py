@@ -94,15 +94,25 @@ def _turn(rules: Record) -> tuple[float, float]:
 
 
 @njit(cache=True)
+def _allow(track: Row, moment: Array, rules: Record) -> None:
+    """Add to the doubt about a place what odometry may err in one step: it shifts and turns all that is seen."""
+    away = np.hypot(track.mean[0] - moment[0], track.mean[1] - moment[1])
+    more = (rules[0].drift * (moment[7] + away * moment[8])) ** 2
+    track.cov[0, 0] += more
+    track.cov[1, 1] += more
+
+
+@njit(cache=True)
 def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Record) -> tuple[Rows, Rows, Array]:
     """Tracks predicted to this moment, clusters with what is carved out of large ones, and costs (m, n) of matches.
 
     A match costs the better of going on and of a sudden turn, and what the radii differ. `moment`: the pose of the
-    scan, its time and the time since the one before.
+    scan, its time and the time since the one before, the way [m] and turn [rad] of the robot so far and since then.
     """
     now, dt = tracks.copy(), moment[4]
     for i in range(now.size):
-        mean, cov = kalman_predict(now[i].mean, now[i].cov, dt, rules[0].acceleration)
+        _allow(tracks[i], moment, rules)
+        mean, cov = kalman_predict(tracks[i].mean, tracks[i].cov, dt, rules[0].acceleration)
         now[i].mean[:], now[i].cov[:] = mean, cov
         now[i].match = -1
     groups = _carve(now, beams, groups, moment, rules)
@@ -158,7 +168,7 @@ def _carve(now: Rows, beams: Rows, groups: Rows, moment: Array, rules: Record) -
         if j < m - 1 and near[j + 1] == near[j] and unclear[j + 1] == unclear[j]:
             continue
         count = j + 1 - first
-        if near[j] >= 0 and count >= rules[0].beams_min:
+        if near[j] >= 0 and count >= rules[0].witnesses:
             whole, part, track = groups[unclear[j]], more[n], now[near[j]]
             part.first, part.count, part.carved = first, count, 1
             part.right_open = whole.right_open if whole.first == first else 0
@@ -227,6 +237,7 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     now.radius, now.spread = group.radius, max(group.spread, 0.2 * FOUND)
     now.seen, now.absent = moment[3], 0.0
     now.hits += 1
+    now.proof -= group.carved  # what is carved out of a wall must prove anew that it moves
 
 
 @njit(cache=True)
@@ -262,6 +273,7 @@ def _own(beams: Rows, group: Row, track: Row) -> None:
 def _proof(ids: NDArray[np.int64], beams: Rows, moment: Array, then: Rows, past: Array, rules: Record) -> Array:
     """Share of each track's hits that lie where an earlier scan looked past, or of its earlier ones that this does."""
     counts = np.zeros((ids.size, 4))
+    way, turn = rules[0].drift * (moment[5] - past[5]), rules[0].drift * (moment[6] - past[6])
     for k in range(2):
         mine = then if k else beams
         other, seen_from = (beams, moment) if k else (then, past)
@@ -270,11 +282,14 @@ def _proof(ids: NDArray[np.int64], beams: Rows, moment: Array, then: Rows, past:
             if beam.owner >= 0:
                 i = np.searchsorted(ids, beam.owner)
                 if i < ids.size and ids[i] == beam.owner:
+                    margin = rules[0].free_margin + way + turn * beam.range
                     counts[i, 2 * k] += 1.0
-                    counts[i, 2 * k + 1] += looked_past(other, seen_from, beam.x, beam.y, rules[0].free_margin)
+                    counts[i, 2 * k + 1] += looked_past(other, seen_from, beam.x, beam.y, margin)
     shares = np.zeros(ids.size)
     for i in range(ids.size):
-        shares[i] = max(counts[i, 1] / max(counts[i, 0], 1.0), counts[i, 3] / max(counts[i, 2], 1.0))
+        for k in range(2):
+            if counts[i, 2 * k] >= rules[0].witnesses and counts[i, 2 * k + 1] > 1.0:  # one beam proves nothing
+                shares[i] = max(shares[i], counts[i, 2 * k + 1] / counts[i, 2 * k])
     return shares
 
 
@@ -297,7 +312,7 @@ def labels(tracks: Rows, beams: Rows, shares: Array, time: float, size: int, rul
         if track.seen == time:
             speed = np.hypot(track.mean[2], track.mean[3])
             doubt = np.sqrt(0.5 * (track.cov[2, 2] + track.cov[3, 3]))
-            step = 1.0 if shares[i] >= rule.proof_share else -0.5
+            step = min(shares[i] / rule.proof_share, 2.0) if shares[i] >= rule.proof_share else -0.5
             track.proof = min(max(track.proof + step, 0.0), rule.proofs + 1.0)
             if track.moving:
                 track.moving = speed > 0.5 * rule.speed_min and track.proof > 0.0

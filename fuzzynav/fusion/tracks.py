@@ -29,6 +29,7 @@ from fuzzynav.maps.kernels import Record, framed
 
 __all__ = ["TrackParams", "Tracker", "Tracks", "kalman_step"]
 
+TURN = 2.0 * np.pi
 NO_CHART = (sealed(np.zeros((0, 0), dtype=np.bool_)), sealed(np.zeros((0, 0))), framed(1.0, (0.0, 0.0)))
 
 
@@ -37,7 +38,7 @@ class TrackParams:
     """What the tracker believes of scanner and movers. Raises ValueError for values out of range."""
 
     range_noise: float = 0.01  # [m] standard deviation of a range
-    radius_min: float = 0.1  # [m] discs are fitted between these two
+    radius_min: float = 0.15  # [m] discs are fitted between these two
     radius_max: float = 0.75
     radius_mean: float = 0.35  # [m] believed of a disc never seen before, with its standard deviation
     radius_spread: float = 0.2
@@ -46,20 +47,22 @@ class TrackParams:
     bridge: float = 3.5  # [gaps between beams] so far apart two beams are still neighbours: two may be lost
     chart_tolerance: float = 0.15  # [m] a hit this near to the chart's surfaces is explained by them
     velocity_bound: float = 2.0  # [m/s] nothing is faster; estimates are cut to it
-    acceleration: float = 0.05  # [m^2/s^3] spectral density of the white acceleration noise between turns
-    turn_share: float = 0.02  # of the steps have a sudden turn or stop, by a velocity of any size within the bound
+    acceleration: float = 0.02  # [m^2/s^3] spectral density of the white acceleration noise between turns
+    turn_share: float = 0.05  # of the steps have a sudden turn or stop, by a velocity of any size within the bound
     gate: float = 13.8  # squared Mahalanobis distance that 1 of 1000 right pairs exceeds (chi-square, 2 degrees)
-    confirm: int = 3  # matches until a track is told
+    confirm: int = 2  # matches until a track is told
     coast: float = 2.0  # [s] a hidden track lives on
     patience: float = 0.25  # [s] a track lives on while scans look through the place where it should be
-    look_back: tuple[float, ...] = (0.3, 1.0)  # [s] ages of the scans that prove motion
-    free_margin: float = 0.05  # [m] seen free means by more than this
-    proof_share: float = 0.34  # of the hits of a track prove it moving
+    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion
+    free_margin: float = 0.03  # [m] seen free means by more than this
+    proof_share: float = 0.2  # of the hits of a track prove it moving
+    witnesses: int = 4  # hits that a track has at least in a scan that shall prove something
     proofs: int = 2  # scans with proof make it a mover
     speed_min: float = 0.06  # [m/s] slower than this nothing moves
+    drift: float = 0.0  # share of its way and of its turn by which the believed pose may err from scan to scan
 
     def __post_init__(self) -> None:
-        checks.positive_fields(self, leave=("look_back", "turn_share", "proof_share"))
+        checks.positive_fields(self, may_be_zero=("drift",), leave=("look_back", "turn_share", "proof_share"))
         checks.share(turn_share=self.turn_share, proof_share=self.proof_share)
         if not (self.radius_min < self.radius_max and self.beams_min >= 2 and 0.0 < self.turn_share < 1.0):
             raise ValueError(f"radius_min < radius_max, beams_min >= 2 and 0 < turn_share < 1 expected, got {self}")
@@ -122,7 +125,7 @@ class Tracker:
         if not self.time < time < np.inf:
             raise ValueError(f"time must grow from scan to scan, got {time} after {self.time}: reset between runs")
         ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
-        moment = np.array([*observation.pose, time, time - self.time])
+        moment = self._moment(np.asarray(observation.pose, dtype=float), time)
         mask, field, frame = NO_CHART if chart is None else _read(chart)
         reach = float(observation.range_max)
         beams, groups = clusters.observe(ranges, angles, moment, reach, mask, field, frame, self.rules)
@@ -130,6 +133,16 @@ class Tracker:
         labels = self._judge(moment, beams, ranges.size)
         self.time = time
         return self._told(labels)
+
+    def _moment(self, pose: Array, time: float) -> Array:
+        """Pose, time, time since the last scan; way [m] and turn [rad] of the robot so far, and since the last scan."""
+        way = turn = before_way = before_turn = 0.0
+        if self.past:
+            last = self.past[-1][0]
+            before_way, before_turn = last[5], last[6]
+            way, turn = np.hypot(pose[0] - last[0], pose[1] - last[1]), abs(pose[2] - last[2]) % TURN
+            turn = min(turn, TURN - turn)
+        return np.array([*pose, time, time - self.time, before_way + way, before_turn + turn, way, turn])
 
     def _match(self, moment: Array, beams: Rows, groups: Rows) -> None:
         """Match tracks and clusters at the least cost; correct, end and begin tracks."""
