@@ -20,7 +20,7 @@ from fuzzynav.geometry import Array
 __all__ = ["GUESTS", "Guest", "guest"]
 
 # chosen on the dynamic worlds that are kept for tuning
-SIGHT = 10.0  # [m] what is farther away is left out
+SIGHT, NEAR = 10.0, 3.0  # [m] movers farther away, and what stands farther away, are left out
 DOT, THIN = 0.02, 0.1  # [m] radius of the disc that stands for a point of the scan, and how near the next one is
 MARGIN = 0.1  # [m] that a guest keeps from everything
 TURN_TIME = 0.1  # [s] in which it turns to where it wants to go
@@ -56,7 +56,7 @@ class Guest(Controller):
         self.behavior.twist = core.Twist2((v * np.cos(theta), v * np.sin(theta)), omega)
         rows: Any = observation.movers
         state.neighbors = [core.Neighbor(row[:2], row[4], row[2:4], k) for k, row in enumerate(rows)]
-        near = observation.points[np.hypot(*(observation.points - observation.pose[:2]).T) < SIGHT]
+        near = observation.points[np.hypot(*(observation.points - observation.pose[:2]).T) < NEAR]
         state.static_obstacles = [core.Disc(point, DOT) for point in _standing(near, rows)]
         command = self.behavior.compute_cmd(self.task.dt, core.Frame.relative)
         return np.array([command.velocity[0], command.angular_speed], dtype=float)

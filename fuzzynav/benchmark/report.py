@@ -25,7 +25,8 @@ BADNESS = {"hit": 0, "struck": 1, "late": 2, "reached": 3}
 STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62em; margin: 2em auto; padding: 0 1em; color: #222; }
 table { border-collapse: collapse; margin: 1em 0; } th, td { border-bottom: 1px solid #ddd; padding: .25em .7em; }
-th { text-align: left; } td { text-align: right; } td:first-child { text-align: left; } td small { color: #666; }
+th { text-align: left; } td { text-align: right; } td:first-child, .about td { text-align: left; }
+td small { color: #666; white-space: nowrap; } .about th { white-space: nowrap; }
 .scroll { overflow-x: auto; } svg { max-width: 100%; height: auto; } code { overflow-wrap: anywhere; }
 .players { display: flex; flex-wrap: wrap; gap: 1.5em; } figure { margin: 0; } canvas { border: 1px solid #ccc; }
 .player div { display: flex; gap: .6em; align-items: center; } input { flex: 1; }
@@ -61,7 +62,7 @@ def worst_cases(table: pd.DataFrame, each: int) -> pd.DataFrame:
     ranked = driven.assign(badness=driven["ending"].map(BADNESS), ratio=driven["ratio"].fillna(0.0)).sort_values(
         ["badness", "ratio", "case"], ascending=[True, False, True], kind="stable"
     )
-    return ranked.groupby("method", sort=False).head(each)
+    return pd.concat([ranked[ranked["method"] == name].head(each) for name in table["method"].drop_duplicates()])
 
 
 def page(found: Comparison, players: int = 2) -> str:
@@ -72,8 +73,8 @@ def page(found: Comparison, players: int = 2) -> str:
         _about(found),
         "<h2>How the runs ended</h2>",
         f'<div class="scroll">{_table(_readable(summary_table(found)))}</div>',
-        "<p>Brackets: 95 % Wilson interval, of the tasks that can be solved. Medians are of the runs that reached the "
-        "goal. Compute times depend on the machine and on what else it did; all other numbers repeat exactly.</p>",
+        "<p>Below each share its 95 % Wilson interval, of the tasks that can be solved. Medians are of the runs that "
+        "reached the goal. Compute times depend on the machine and its load; all other numbers repeat exactly.</p>",
         comparison_svg(total, found.table),
         _by_class(found),
         _pairs(found),
@@ -106,7 +107,7 @@ def _about(found: Comparison) -> str:
         "Two reports may be compared where protocol, code of tasks, set and options agree. The same fingerprint means "
         "the same runs."
     )
-    return f'<div class="scroll"><table>{rows}</table></div><p>{same}{_differences(found.tasks.kind)}</p>'
+    return f'<div class="scroll"><table class="about">{rows}</table></div><p>{same}{_differences(found.tasks.kind)}</p>'
 
 
 def _differences(kind: str) -> str:
@@ -123,19 +124,25 @@ def _readable(table: pd.DataFrame) -> pd.DataFrame:
     shown = pd.DataFrame({"planner": table["method"], "tasks": table["runs"], "unsolvable": table["unsolvable"]})
     for name in RATED:
         rates = zip(table[name], table[f"{name} rate"], table[f"{name} low"], table[f"{name} high"])
-        shown[name] = [f"{count} = {_share(r)} <small>({_share(a)}-{_share(b)})</small>" for count, r, a, b in rates]
+        shown[name] = [
+            f"{count}<br>{_share(r)} %<br><small>{_share(a)}-{_share(b)}</small>" for count, r, a, b in rates
+        ]
     if "score" in table:
         shown["score"] = [f"{x:.3f}" for x in table["score"]]
     units = {"time": "time [s]", "length": "length [m]", "ratio": "length / optimum", "clearance": "clearance [m]"}
     for name, title in units.items():
-        shown[title] = [f"{x:.2f}" for x in table[f"median {name}"]]
+        shown[title] = [_digits(x) for x in table[f"median {name}"]]
     for name, title in zip(TIMED, ("step [ms], median", "step [ms], p99")):
-        shown[title] = [f"{x:.2f}" for x in table[f"median {name}"]]
+        shown[title] = [_digits(x) for x in table[f"median {name}"]]
     return shown
 
 
 def _share(value: float) -> str:
-    return "-" if np.isnan(value) else f"{100.0 * value:.1f} %"
+    return "-" if np.isnan(value) else f"{100.0 * value:.1f}"
+
+
+def _digits(value: float) -> str:
+    return "-" if np.isnan(value) else f"{value:.2f}"
 
 
 def _table(table: pd.DataFrame, safe: Sequence[str] = RATED) -> str:
@@ -167,7 +174,7 @@ def _pairs(found: Comparison) -> str:
         both = won[0] & won[1]
         gap = (by_task[other]["time"] - by_task[first]["time"])[both].median()
         counts = (int(both.sum()), int((won[0] & ~won[1]).sum()), int((won[1] & ~won[0]).sum()))
-        rows.append((other, *counts, f"{gap:+.2f}"))
+        rows.append((other, *counts, "-" if np.isnan(gap) else f"{gap:+.2f}"))
     titles = ("planner", "both reached", f"only {first}", "only this one", f"time more than {first} [s], median")
     return f"<h2>Task by task, against {escape(first)}</h2>{_table(pd.DataFrame(rows, columns=list(titles)))}"
 

@@ -28,7 +28,7 @@ ENDING_COLORS = {
     "failed": COLORS["obstacle"],
 }
 HATCHES = {"hit": "xx", "struck": "//", "late": "..", "failed": "\\\\"}
-MARGIN = 1.5  # [m] around what a player shows
+MARGIN = 3.0  # [m] around what a player shows
 
 
 def draw_endings(ax: Axes, summary: pd.DataFrame, by: str = "method") -> list[BarContainer]:
