@@ -168,11 +168,11 @@ class Tracker:
     def _told(self, labels: NDArray[np.int64]) -> Tracks:
         """The confirmed tracks."""
         told = self.tracks[self.tracks["hits"] >= self.params.confirm]
-        mean = told["mean"]
+        state = told["state"]
         return Tracks(
             ids=told["id"].copy(),
-            centers=mean[:, :2].copy(),
-            velocities=mean[:, 2:].copy(),
+            centers=state[:, :2].copy(),
+            velocities=state[:, 2:].copy(),
             radii=told["radius"].copy(),
             covariances=told["cov"].copy(),
             ages=self.time - told["born"],
