@@ -10,20 +10,12 @@ from fuzzynav.fusion.clusters import GROUP, NOBODY, Row, Rows, at_bearing, fit_d
 from fuzzynav.geometry import Array
 from fuzzynav.maps.kernels import Record
 
-__all__ = [
-    "FAR",
-    "TRACK",
-    "judge",
-    "kalman_correct",
-    "kalman_predict",
-    "kalman_step",
-    "labels",
-    "propose",
-    "settle",
-]
+__all__ = ["FAR", "TRACK", "decide", "judge", "kalman_correct", "kalman_predict", "kalman_step", "propose", "settle"]
 
 FAR = 1e6  # cost of a pair that is none
-FOUND = 0.05  # [m] a radius is never known better than to a fifth of this, and a hit this near the rim belongs to it
+RIM = 0.05  # [m] a hit this near to the rim of a tracked disc belongs to it
+SURE = 0.01  # [m] no radius is known better: nothing is a perfect disc
+ODD = 0.05  # [m] radii that differ by this much may still be one disc
 TRACK = np.dtype(
     (
         np.record,
@@ -108,6 +100,7 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
 
     A match costs the better of going on and of a sudden turn, and what the radii differ. `moment`: the pose of the
     scan, its time and the time since the one before, the way [m] and turn [rad] of the robot so far and since then.
+    What odometry may have erred since then is added to the doubt of `tracks`, in place.
     """
     now, dt = tracks.copy(), moment[4]
     for i in range(now.size):
@@ -125,7 +118,7 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
             squared, wild = _surprise(now[i], groups[k], (jump * dt) ** 2)
             if squared <= rules[0].gate:
                 _, calm = _surprise(now[i], groups[k], 0.0)
-                doubt = groups[k].spread ** 2 + now[i].spread ** 2 + FOUND**2
+                doubt = groups[k].spread ** 2 + now[i].spread ** 2 + ODD**2
                 costs[i, k] = min(calm, wild + price) + (groups[k].radius - now[i].radius) ** 2 / doubt
     return now, groups, costs
 
@@ -149,7 +142,7 @@ def _carve(now: Rows, beams: Rows, groups: Rows, moment: Array, rules: Record) -
         dx, dy = x - moment[0], y - moment[1]
         away = np.hypot(dx, dy)
         middle = at_bearing(beams, np.arctan2(dy, dx))
-        rim = min(FOUND + 2.0 * np.sqrt(0.5 * (now[i].cov[0, 0] + now[i].cov[1, 1])), 0.3)
+        rim = min(RIM + 2.0 * np.sqrt(0.5 * (now[i].cov[0, 0] + now[i].cov[1, 1])), 0.3)
         half = np.arcsin(min((radius + rim) / max(away, 1e-9), 1.0))
         for way in range(2):
             j, turned = middle, 0.0
@@ -234,7 +227,7 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     if speed > rule.velocity_bound:
         mean[2:] *= rule.velocity_bound / speed
     now.state[:], now.cov[:] = mean, cov
-    now.radius, now.spread = group.radius, max(group.spread, 0.2 * FOUND)
+    now.radius, now.spread = group.radius, max(group.spread, SURE)
     now.seen, now.absent = moment[3], 0.0
     now.hits += 1
     now.proof -= group.carved  # what is carved out of a wall must prove anew that it moves
@@ -262,7 +255,7 @@ def _own(beams: Rows, group: Row, track: Row) -> None:
         j = group.first - 1 if way == 0 else group.first + group.count
         for _ in range(m):
             beam = beams[j % m]
-            on_rim = abs(np.hypot(beam.x - track.state[0], beam.y - track.state[1]) - track.radius) < FOUND
+            on_rim = abs(np.hypot(beam.x - track.state[0], beam.y - track.state[1]) - track.radius) < RIM
             if beam.owner != NOBODY or not on_rim:
                 break
             beam.owner = track.id
@@ -303,7 +296,7 @@ def judge(tracks: Rows, beams: Rows, moment: Array, then: Rows, past: Array, sha
 
 
 @njit(cache=True)
-def labels(tracks: Rows, beams: Rows, shares: Array, time: float, size: int, rules: Record) -> NDArray[np.int64]:
+def decide(tracks: Rows, beams: Rows, shares: Array, time: float, size: int, rules: Record) -> NDArray[np.int64]:
     """Decide which tracks move, and tell for each beam of the scan the row of its track among the confirmed ones."""
     rule = rules[0]
     out, row = np.full(size, -1), 0

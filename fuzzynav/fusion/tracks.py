@@ -35,29 +35,34 @@ NO_CHART = (sealed(np.zeros((0, 0), dtype=np.bool_)), sealed(np.zeros((0, 0))), 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackParams:
-    """What the tracker believes of scanner and movers. Raises ValueError for values out of range."""
+    """What the tracker believes of scanner and movers. Raises ValueError for values out of range.
+
+    A turn is a sudden change of velocity: where it explains a match better than going on, by the odds of turn_share,
+    the filter forgets its velocity and finds the new one in two or three scans; between turns it may then be slow to
+    change its mind, and smooth. Two or three beams may be a post that the scan before missed: no proof of motion.
+    """
 
     range_noise: float = 0.01  # [m] standard deviation of a range
-    radius_min: float = 0.15  # [m] discs are fitted between these two
+    radius_min: float = 0.15  # [m] discs are fitted between these two: movers of 0.2 to 0.6 m, and some room
     radius_max: float = 0.75
     radius_mean: float = 0.35  # [m] believed of a disc never seen before, with its standard deviation
     radius_spread: float = 0.2
-    misfit_max: float = 0.04  # [m] root mean square distance of hits from the rim of what still is a disc
-    beams_min: int = 2  # a cluster has at least so many
+    misfit_max: float = 0.04  # [m] root mean square distance of hits from the rim of what still is a disc: 4 sigma
+    beams_min: int = 2  # a cluster has at least so many: a disc of 0.2 m at 10 m in a scan of 360
     bridge: float = 3.5  # [gaps between beams] so far apart two beams are still neighbours: two may be lost
     chart_tolerance: float = 0.15  # [m] a hit this near to the chart's surfaces is explained by them
     velocity_bound: float = 2.0  # [m/s] nothing is faster; estimates are cut to it
-    acceleration: float = 0.02  # [m^2/s^3] spectral density of the white acceleration noise between turns
-    turn_share: float = 0.05  # of the steps have a sudden turn or stop, by a velocity of any size within the bound
+    acceleration: float = 0.02  # [m^2/s^3] spectral density of white acceleration noise: 0.14 m/s in a second
+    turn_share: float = 0.05  # of the steps have a turn, by any velocity within the bound
     gate: float = 13.8  # squared Mahalanobis distance that 1 of 1000 right pairs exceeds (chi-square, 2 degrees)
-    confirm: int = 2  # matches until a track is told
+    confirm: int = 2  # matches until a track is told: motion is proved apart, so that early is not rash
     coast: float = 2.0  # [s] a hidden track lives on
     patience: float = 0.25  # [s] a track lives on while scans look through the place where it should be
-    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion
-    free_margin: float = 0.03  # [m] seen free means by more than this
+    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion: the fast and the slow
+    free_margin: float = 0.03  # [m] seen free means by more than this: 3 sigma
     proof_share: float = 0.2  # of the hits of a track prove it moving
     witnesses: int = 4  # hits that a track has at least in a scan that shall prove something
-    proofs: int = 2  # scans with proof make it a mover
+    proofs: float = 2.0  # so many proofs make a mover; twice the share counts twice
     speed_min: float = 0.06  # [m/s] slower than this nothing moves
     drift: float = 0.0  # share of its way and of its turn by which the believed pose may err from scan to scan
 
@@ -99,7 +104,10 @@ class Tracks:
 
 
 class Tracker:
-    """Follows moving discs through scans; call `update` once for every scan, `reset` before every run."""
+    """Follows moving discs through scans; call `update` once for every scan, `reset` before every run.
+
+    All it tells is in the frame of the believed pose, errors of odometry included.
+    """
 
     def __init__(self, params: TrackParams = TrackParams()) -> None:
         self.params = params
@@ -163,7 +171,7 @@ class Tracker:
         self.past.append((moment, beams))
         while len(self.past) > 1 and time - self.past[1][0][3] >= self.params.look_back[-1]:
             self.past.popleft()
-        return filters.labels(self.tracks, beams, shares, time, size, self.rules)
+        return filters.decide(self.tracks, beams, shares, time, size, self.rules)
 
     def _told(self, labels: NDArray[np.int64]) -> Tracks:
         """The confirmed tracks."""

@@ -192,10 +192,10 @@ def test_what_odometry_may_err_is_no_motion() -> None:
     world = World(discs=[[*p, 0.3] for p in rng.uniform(-7, 7, (40, 2)) if np.hypot(p[0], p[1] - 2.7) > 3.6])
     poses = drive(200)
     wrong = poses.copy()
-    wrong[:, 2] += 0.2 * np.cumsum(np.r_[0.0, rng.standard_normal(199) * np.diff(poses[:, 2])])
+    wrong[:, 2] += 0.1 * np.cumsum(np.r_[0.0, np.random.default_rng(0).standard_normal(199) * np.diff(poses[:, 2])])
     made, _, _ = scans(world, poses)
     counts = []
-    for params in (TrackParams(drift=0.2), USUAL):
+    for params in (TrackParams(drift=0.1), USUAL):
         tracker = Tracker(params)
         counts.append(sum(int(tracker.update(seen(k * DT, wrong[k], s)).moving.sum()) for k, s in enumerate(made)))
     assert counts[0] == 0 < counts[1], "who is not told of the drift takes it for motion"
