@@ -332,3 +332,10 @@ def looked_past(beams: Rows, pose: Array, x: float, y: float, margin: float) -> 
         return False
     shorter = min(beams[j].range, beams[j + 1 if j + 1 < beams.size else 0].range)
     return bool(away + margin + 0.5 * gap * away < shorter)
+
+
+def _warm() -> None:
+    """Compile what the others call; the tracker's warming compiles the rest with its own types."""
+    beams = np.zeros(2, dtype=BEAM)
+    beams["gap"] = np.pi
+    looked_past(beams, np.zeros(3), 1.0, 0.0, 0.05)
