@@ -124,16 +124,14 @@ class Tracker:
     def update(self, observation: Observation, chart: GridMap | None = None) -> Tracks:
         """The tracks after one more scan; what the chart explains is nobody's hit.
 
-        Raises ValueError for an observation that is worthless or holds no scan, and for a time that does not grow.
+        Raises ValueError where there is no scan or no finite pose, and for a time that does not grow.
         """
-        fault = observation.faults()
-        if fault or observation.ranges is None or observation.angles is None:
-            raise ValueError(f"a tracker needs a scan and a pose: {fault or 'there is no scan'}")
+        ranges, angles = _scan(observation)
+        pose = checks.pose(observation.pose)
         time = float(observation.time)
         if not self.time < time < np.inf:
             raise ValueError(f"time must grow from scan to scan, got {time} after {self.time}: reset between runs")
-        ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
-        moment = self._moment(np.asarray(observation.pose, dtype=float), time)
+        moment = self._moment(pose, time)
         mask, field, frame = NO_CHART if chart is None else _read(chart)
         reach = float(observation.range_max)
         beams, groups = clusters.observe(ranges, angles, moment, reach, mask, field, frame, self.rules)
@@ -188,6 +186,18 @@ class Tracker:
             moving=told["moving"] > 0,
             labels=labels,
         )
+
+
+def _scan(observation: Observation) -> tuple[Array, Array]:
+    """Ranges and angles of the scan, as copies that kernels may take; raises ValueError where there is none."""
+    if observation.ranges is None or observation.angles is None:
+        raise ValueError("a tracker needs a scan, and there is none: give ranges and angles")
+    ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
+    if ranges.ndim != 1 or ranges.shape != angles.shape or not np.isfinite(angles).all():
+        raise ValueError(f"a scan needs one range for each finite angle, got shapes {ranges.shape} and {angles.shape}")
+    if not observation.range_max > 0.0:
+        raise ValueError(f"range_max must be positive metres, got {observation.range_max}")
+    return ranges, angles
 
 
 def _read(chart: GridMap) -> tuple[NDArray[np.bool_], Array, Record]:

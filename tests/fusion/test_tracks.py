@@ -322,14 +322,17 @@ def test_bad_input_is_one_clear_error() -> None:
     good = seen(1.0, np.zeros(3), scan)
     tracker = Tracker()
     tracker.update(good)
-    with pytest.raises(ValueError, match="there is no scan"):
+    with pytest.raises(ValueError, match="there is none"):
         tracker.update(replace(good, time=2.0, ranges=None, angles=None))
-    with pytest.raises(ValueError, match="the pose is not finite"):
+    with pytest.raises(ValueError, match="3 finite numbers"):
         tracker.update(replace(good, time=2.0, pose=np.full(3, np.nan)))
-    with pytest.raises(ValueError, match="one range for each angle"):
+    with pytest.raises(ValueError, match="one range for each finite angle"):
         tracker.update(replace(good, time=2.0, angles=np.zeros(3)))
+    with pytest.raises(ValueError, match="range_max must be positive"):
+        tracker.update(replace(good, time=2.0, range_max=0.0))
     with pytest.raises(ValueError, match="time must grow"):
         tracker.update(good)
+    assert len(tracker.update(replace(good, time=2.0, goal=np.full(2, np.nan))).labels) == 360, "no goal is needed"
     tracker.reset()
     tracker.update(good)
     with pytest.raises(ValueError, match="look_back"):
