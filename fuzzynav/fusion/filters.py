@@ -115,9 +115,11 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
         for k in range(groups.size):
             if groups[k].misfit == np.inf:
                 continue
+            near, calm = _surprise(now[i], groups[k], 0.0)
             squared, wild = _surprise(now[i], groups[k], (jump * dt) ** 2)
+            if groups[k].carved:  # where the track is expected, hence no turn
+                squared, wild = near, np.inf
             if squared <= rules[0].gate:
-                _, calm = _surprise(now[i], groups[k], 0.0)
                 doubt = groups[k].spread ** 2 + now[i].spread ** 2 + ODD**2
                 costs[i, k] = min(calm, wild + price) + (groups[k].radius - now[i].radius) ** 2 / doubt
     return now, groups, costs
@@ -220,14 +222,15 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     jump, price = _turn(rules)
     _, calm = _surprise(now, group, 0.0)
     _, wild = _surprise(now, group, (jump * dt) ** 2 / 3.0)
-    q = rule.acceleration if calm <= wild + price else jump**2 / dt
+    q = rule.acceleration if group.carved or calm <= wild + price else jump**2 / dt
     r = np.array([[group.xx, group.xy], [group.xy, group.yy]])
     mean, cov = kalman_step(old.state, old.cov, np.array([group.x, group.y]), dt, q, r)
     speed = np.hypot(mean[2], mean[3])
     if speed > rule.velocity_bound:
         mean[2:] *= rule.velocity_bound / speed
     now.state[:], now.cov[:] = mean, cov
-    now.radius, now.spread = group.radius, max(group.spread, SURE)
+    if not group.carved:
+        now.radius, now.spread = group.radius, max(group.spread, SURE)
     now.seen, now.absent = moment[3], 0.0
     now.hits += 1
     now.proof -= group.carved  # what is carved out of a wall must prove anew that it moves

@@ -128,6 +128,16 @@ def test_movers_that_touch_in_the_scan_keep_their_names() -> None:
     assert [told[79].ids[row_at(told[79], place)] for place in places[79]] == names
 
 
+@pytest.mark.parametrize("sideways", [0.0, 0.5, 1.0])
+def test_a_wall_takes_no_name_from_what_went_behind_it(sideways: float) -> None:
+    world = World(movers=(Mover.constant((0.0, 1.5), (sideways, 1.0), 0.4),), rectangles=[[0.0, 4.0, 12.0, 0.2, 0.0]])
+    told, _, _ = follow(world, np.zeros((60, 3)))
+    assert told[15].moving.tolist() == [True]
+    late = [now for now in told[36:] if (now.unseen == 0.0).any()]  # the mover is inside the wall, then behind it
+    assert not any((now.moving & (now.unseen == 0.0)).any() for now in late)
+    assert len(late) < 4, "a track that holds on to the wall"
+
+
 def test_what_is_hidden_coasts_and_is_found_again() -> None:
     world = World(movers=(Mover.constant((-2.0, 4.0), (1.0, 0.0), 0.3),), rectangles=[[0.0, 2.5, 1.2, 0.1, 0.0]])
     told, places, _ = follow(world, np.zeros((45, 3)))
