@@ -335,4 +335,7 @@ def looked_past(beams: Rows, pose: Array, x: float, y: float, margin: float) -> 
 
 
 def _warm() -> None:
-    """Nothing of its own: the tracker's `_warm` compiles these kernels with the types that it hands over."""
+    """Compile what the others call; the tracker's warming compiles the rest with its own types."""
+    beams = np.zeros(2, dtype=BEAM)
+    beams["gap"] = np.pi
+    looked_past(beams, np.zeros(3), 1.0, 0.0, 0.05)

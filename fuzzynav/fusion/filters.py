@@ -10,27 +10,19 @@ from fuzzynav.fusion.clusters import GROUP, NOBODY, Row, Rows, at_bearing, fit_d
 from fuzzynav.geometry import Array
 from fuzzynav.maps.kernels import Record
 
-__all__ = [
-    "FAR",
-    "TRACK",
-    "judge",
-    "kalman_correct",
-    "kalman_predict",
-    "kalman_step",
-    "labels",
-    "propose",
-    "settle",
-]
+__all__ = ["FAR", "TRACK", "decide", "judge", "kalman_correct", "kalman_predict", "kalman_step", "propose", "settle"]
 
 FAR = 1e6  # cost of a pair that is none
-FOUND = 0.05  # [m] a radius is never known better than to a fifth of this, and a hit this near the rim belongs to it
+RIM = 0.05  # [m] a hit this near to the rim of a tracked disc belongs to it
+SURE = 0.01  # [m] no radius is known better: nothing is a perfect disc
+ODD = 0.05  # [m] radii that differ by this much may still be one disc
 TRACK = np.dtype(
     (
         np.record,
         [
             ("id", "i8"),
             ("match", "i8"),  # the cluster that it is matched with, -1: none
-            ("mean", "f8", (4,)),  # x, y [m] and their rates [m/s]
+            ("state", "f8", (4,)),  # x, y [m] and their rates [m/s]
             ("cov", "f8", (4, 4)),
             ("radius", "f8"),
             ("spread", "f8"),  # [m] standard deviation of the radius
@@ -75,7 +67,7 @@ def kalman_step(mean: Array, cov: Array, z: Array, dt: float, q: float, r: Array
 @njit(cache=True)
 def _surprise(track: Row, group: Row, more: float) -> tuple[float, float]:
     """Squared Mahalanobis distance of a disc and minus twice its log likelihood; `more`: variance added."""
-    mean, cov = track.mean, track.cov
+    mean, cov = track.state, track.cov
     xx, xy, yy = cov[0, 0] + group.xx + more, cov[0, 1] + group.xy, cov[1, 1] + group.yy + more
     dx, dy = group.x - mean[0], group.y - mean[1]
     det = xx * yy - xy * xy
@@ -96,7 +88,7 @@ def _turn(rules: Record) -> tuple[float, float]:
 @njit(cache=True)
 def _allow(track: Row, moment: Array, rules: Record) -> None:
     """Add to the doubt about a place what odometry may err in one step: it shifts and turns all that is seen."""
-    away = np.hypot(track.mean[0] - moment[0], track.mean[1] - moment[1])
+    away = np.hypot(track.state[0] - moment[0], track.state[1] - moment[1])
     more = (rules[0].drift * (moment[7] + away * moment[8])) ** 2
     track.cov[0, 0] += more
     track.cov[1, 1] += more
@@ -108,12 +100,13 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
 
     A match costs the better of going on and of a sudden turn, and what the radii differ. `moment`: the pose of the
     scan, its time and the time since the one before, the way [m] and turn [rad] of the robot so far and since then.
+    What odometry may have erred since then is added to the doubt of `tracks`, in place.
     """
     now, dt = tracks.copy(), moment[4]
     for i in range(now.size):
         _allow(tracks[i], moment, rules)
-        mean, cov = kalman_predict(tracks[i].mean, tracks[i].cov, dt, rules[0].acceleration)
-        now[i].mean[:], now[i].cov[:] = mean, cov
+        mean, cov = kalman_predict(tracks[i].state, tracks[i].cov, dt, rules[0].acceleration)
+        now[i].state[:], now[i].cov[:] = mean, cov
         now[i].match = -1
     groups = _carve(now, beams, groups, moment, rules)
     costs = np.full((now.size, groups.size), FAR)
@@ -122,10 +115,12 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
         for k in range(groups.size):
             if groups[k].misfit == np.inf:
                 continue
+            near, calm = _surprise(now[i], groups[k], 0.0)
             squared, wild = _surprise(now[i], groups[k], (jump * dt) ** 2)
+            if groups[k].carved:  # where the track is expected, hence no turn
+                squared, wild = near, np.inf
             if squared <= rules[0].gate:
-                _, calm = _surprise(now[i], groups[k], 0.0)
-                doubt = groups[k].spread ** 2 + now[i].spread ** 2 + FOUND**2
+                doubt = groups[k].spread ** 2 + now[i].spread ** 2 + ODD**2
                 costs[i, k] = min(calm, wild + price) + (groups[k].radius - now[i].radius) ** 2 / doubt
     return now, groups, costs
 
@@ -145,11 +140,11 @@ def _carve(now: Rows, beams: Rows, groups: Rows, moment: Array, rules: Record) -
     for i in range(now.size):
         if not now[i].moving:
             continue
-        x, y, radius = now[i].mean[0], now[i].mean[1], now[i].radius
+        x, y, radius = now[i].state[0], now[i].state[1], now[i].radius
         dx, dy = x - moment[0], y - moment[1]
         away = np.hypot(dx, dy)
         middle = at_bearing(beams, np.arctan2(dy, dx))
-        rim = min(FOUND + 2.0 * np.sqrt(0.5 * (now[i].cov[0, 0] + now[i].cov[1, 1])), 0.3)
+        rim = min(RIM + 2.0 * np.sqrt(0.5 * (now[i].cov[0, 0] + now[i].cov[1, 1])), 0.3)
         half = np.arcsin(min((radius + rim) / max(away, 1e-9), 1.0))
         for way in range(2):
             j, turned = middle, 0.0
@@ -195,7 +190,7 @@ def settle(
             _correct(old[i], track, groups[track.match], moment, rules)
             _own(beams, groups[track.match], track)
         else:
-            if looked_past(beams, moment, track.mean[0], track.mean[1], 0.0):
+            if looked_past(beams, moment, track.state[0], track.state[1], 0.0):
                 track.absent += moment[4]
             kept = track.absent <= rule.patience and time - track.seen <= rule.coast
             lives[i] = kept and track.hits >= rule.confirm
@@ -207,7 +202,7 @@ def settle(
             continue
         inside = -1
         for i in range(now.size):
-            if now[i].match >= 0 and np.hypot(now[i].mean[0] - group.x, now[i].mean[1] - group.y) < now[i].radius:
+            if now[i].match >= 0 and np.hypot(now[i].state[0] - group.x, now[i].state[1] - group.y) < now[i].radius:
                 inside = i
         if inside >= 0:  # another part of what is tracked, seen past something nearer
             _own(beams, group, now[inside])
@@ -227,14 +222,15 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     jump, price = _turn(rules)
     _, calm = _surprise(now, group, 0.0)
     _, wild = _surprise(now, group, (jump * dt) ** 2 / 3.0)
-    q = rule.acceleration if calm <= wild + price else jump**2 / dt
+    q = rule.acceleration if group.carved or calm <= wild + price else jump**2 / dt
     r = np.array([[group.xx, group.xy], [group.xy, group.yy]])
-    mean, cov = kalman_step(old.mean, old.cov, np.array([group.x, group.y]), dt, q, r)
+    mean, cov = kalman_step(old.state, old.cov, np.array([group.x, group.y]), dt, q, r)
     speed = np.hypot(mean[2], mean[3])
     if speed > rule.velocity_bound:
         mean[2:] *= rule.velocity_bound / speed
-    now.mean[:], now.cov[:] = mean, cov
-    now.radius, now.spread = group.radius, max(group.spread, 0.2 * FOUND)
+    now.state[:], now.cov[:] = mean, cov
+    if not group.carved:
+        now.radius, now.spread = group.radius, max(group.spread, SURE)
     now.seen, now.absent = moment[3], 0.0
     now.hits += 1
     now.proof -= group.carved  # what is carved out of a wall must prove anew that it moves
@@ -245,7 +241,7 @@ def _begin(track: Row, group: Row, time: float, rules: Record) -> None:
     """A track of one disc, with any velocity within the bound."""
     track.match, track.hits, track.moving = -1, 1, 0
     track.born, track.seen, track.absent, track.proof = time, time, 0.0, 0.0
-    track.mean[0], track.mean[1], track.mean[2], track.mean[3] = group.x, group.y, 0.0, 0.0
+    track.state[0], track.state[1], track.state[2], track.state[3] = group.x, group.y, 0.0, 0.0
     track.cov[:] = np.eye(4) * (0.25 * rules[0].velocity_bound ** 2)
     track.cov[0, 0], track.cov[1, 1] = group.xx, group.yy
     track.cov[0, 1] = track.cov[1, 0] = group.xy
@@ -262,7 +258,7 @@ def _own(beams: Rows, group: Row, track: Row) -> None:
         j = group.first - 1 if way == 0 else group.first + group.count
         for _ in range(m):
             beam = beams[j % m]
-            on_rim = abs(np.hypot(beam.x - track.mean[0], beam.y - track.mean[1]) - track.radius) < FOUND
+            on_rim = abs(np.hypot(beam.x - track.state[0], beam.y - track.state[1]) - track.radius) < RIM
             if beam.owner != NOBODY or not on_rim:
                 break
             beam.owner = track.id
@@ -303,14 +299,14 @@ def judge(tracks: Rows, beams: Rows, moment: Array, then: Rows, past: Array, sha
 
 
 @njit(cache=True)
-def labels(tracks: Rows, beams: Rows, shares: Array, time: float, size: int, rules: Record) -> NDArray[np.int64]:
+def decide(tracks: Rows, beams: Rows, shares: Array, time: float, size: int, rules: Record) -> NDArray[np.int64]:
     """Decide which tracks move, and tell for each beam of the scan the row of its track among the confirmed ones."""
     rule = rules[0]
     out, row = np.full(size, -1), 0
     for i in range(tracks.size):
         track = tracks[i]
         if track.seen == time:
-            speed = np.hypot(track.mean[2], track.mean[3])
+            speed = np.hypot(track.state[2], track.state[3])
             doubt = np.sqrt(0.5 * (track.cov[2, 2] + track.cov[3, 3]))
             step = min(shares[i] / rule.proof_share, 2.0) if shares[i] >= rule.proof_share else -0.5
             track.proof = min(max(track.proof + step, 0.0), rule.proofs + 1.0)

@@ -35,29 +35,34 @@ NO_CHART = (sealed(np.zeros((0, 0), dtype=np.bool_)), sealed(np.zeros((0, 0))), 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackParams:
-    """What the tracker believes of scanner and movers. Raises ValueError for values out of range."""
+    """What the tracker believes of scanner and movers. Raises ValueError for values out of range.
+
+    A turn is a sudden change of velocity: where it explains a match better than going on, by the odds of turn_share,
+    the filter forgets its velocity and finds the new one in two or three scans; between turns it may then be slow to
+    change its mind, and smooth. Two or three beams may be a post that the scan before missed: no proof of motion.
+    """
 
     range_noise: float = 0.01  # [m] standard deviation of a range
-    radius_min: float = 0.15  # [m] discs are fitted between these two
+    radius_min: float = 0.15  # [m] discs are fitted between these two: movers of 0.2 to 0.6 m, and some room
     radius_max: float = 0.75
     radius_mean: float = 0.35  # [m] believed of a disc never seen before, with its standard deviation
     radius_spread: float = 0.2
-    misfit_max: float = 0.04  # [m] root mean square distance of hits from the rim of what still is a disc
-    beams_min: int = 2  # a cluster has at least so many
+    misfit_max: float = 0.04  # [m] root mean square distance of hits from the rim of what still is a disc: 4 sigma
+    beams_min: int = 2  # a cluster has at least so many: a disc of 0.2 m at 10 m in a scan of 360
     bridge: float = 3.5  # [gaps between beams] so far apart two beams are still neighbours: two may be lost
     chart_tolerance: float = 0.15  # [m] a hit this near to the chart's surfaces is explained by them
     velocity_bound: float = 2.0  # [m/s] nothing is faster; estimates are cut to it
-    acceleration: float = 0.02  # [m^2/s^3] spectral density of the white acceleration noise between turns
-    turn_share: float = 0.05  # of the steps have a sudden turn or stop, by a velocity of any size within the bound
+    acceleration: float = 0.02  # [m^2/s^3] spectral density of white acceleration noise: 0.14 m/s in a second
+    turn_share: float = 0.05  # of the steps have a turn, by any velocity within the bound
     gate: float = 13.8  # squared Mahalanobis distance that 1 of 1000 right pairs exceeds (chi-square, 2 degrees)
-    confirm: int = 2  # matches until a track is told
+    confirm: int = 2  # matches until a track is told: motion is proved apart, so that early is not rash
     coast: float = 2.0  # [s] a hidden track lives on
     patience: float = 0.25  # [s] a track lives on while scans look through the place where it should be
-    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion
-    free_margin: float = 0.03  # [m] seen free means by more than this
+    look_back: tuple[float, ...] = (0.1, 0.3, 1.0)  # [s] ages of the scans that prove motion: the fast and the slow
+    free_margin: float = 0.03  # [m] seen free means by more than this: 3 sigma
     proof_share: float = 0.2  # of the hits of a track prove it moving
     witnesses: int = 4  # hits that a track has at least in a scan that shall prove something
-    proofs: int = 2  # scans with proof make it a mover
+    proofs: float = 2.0  # so many proofs make a mover; twice the share counts twice
     speed_min: float = 0.06  # [m/s] slower than this nothing moves
     drift: float = 0.0  # share of its way and of its turn by which the believed pose may err from scan to scan
 
@@ -99,7 +104,10 @@ class Tracks:
 
 
 class Tracker:
-    """Follows moving discs through scans; call `update` once for every scan, `reset` before every run."""
+    """Follows moving discs through scans; call `update` once for every scan, `reset` before every run.
+
+    All it tells is in the frame of the believed pose, errors of odometry included.
+    """
 
     def __init__(self, params: TrackParams = TrackParams()) -> None:
         self.params = params
@@ -116,16 +124,14 @@ class Tracker:
     def update(self, observation: Observation, chart: GridMap | None = None) -> Tracks:
         """The tracks after one more scan; what the chart explains is nobody's hit.
 
-        Raises ValueError for an observation that is worthless or holds no scan, and for a time that does not grow.
+        Raises ValueError where there is no scan or no finite pose, and for a time that does not grow.
         """
-        fault = observation.faults()
-        if fault or observation.ranges is None or observation.angles is None:
-            raise ValueError(f"a tracker needs a scan and a pose: {fault or 'there is no scan'}")
+        ranges, angles = _scan(observation)
+        pose = checks.pose(observation.pose)
         time = float(observation.time)
         if not self.time < time < np.inf:
             raise ValueError(f"time must grow from scan to scan, got {time} after {self.time}: reset between runs")
-        ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
-        moment = self._moment(np.asarray(observation.pose, dtype=float), time)
+        moment = self._moment(pose, time)
         mask, field, frame = NO_CHART if chart is None else _read(chart)
         reach = float(observation.range_max)
         beams, groups = clusters.observe(ranges, angles, moment, reach, mask, field, frame, self.rules)
@@ -163,16 +169,16 @@ class Tracker:
         self.past.append((moment, beams))
         while len(self.past) > 1 and time - self.past[1][0][3] >= self.params.look_back[-1]:
             self.past.popleft()
-        return filters.labels(self.tracks, beams, shares, time, size, self.rules)
+        return filters.decide(self.tracks, beams, shares, time, size, self.rules)
 
     def _told(self, labels: NDArray[np.int64]) -> Tracks:
         """The confirmed tracks."""
         told = self.tracks[self.tracks["hits"] >= self.params.confirm]
-        mean = told["mean"]
+        state = told["state"]
         return Tracks(
             ids=told["id"].copy(),
-            centers=mean[:, :2].copy(),
-            velocities=mean[:, 2:].copy(),
+            centers=state[:, :2].copy(),
+            velocities=state[:, 2:].copy(),
             radii=told["radius"].copy(),
             covariances=told["cov"].copy(),
             ages=self.time - told["born"],
@@ -180,6 +186,18 @@ class Tracker:
             moving=told["moving"] > 0,
             labels=labels,
         )
+
+
+def _scan(observation: Observation) -> tuple[Array, Array]:
+    """Ranges and angles of the scan, as copies that kernels may take; raises ValueError where there is none."""
+    if observation.ranges is None or observation.angles is None:
+        raise ValueError("a tracker needs a scan, and there is none: give ranges and angles")
+    ranges, angles = np.array(observation.ranges, dtype=float), np.array(observation.angles, dtype=float)
+    if ranges.ndim != 1 or ranges.shape != angles.shape or not np.isfinite(angles).all():
+        raise ValueError(f"a scan needs one range for each finite angle, got shapes {ranges.shape} and {angles.shape}")
+    if not observation.range_max > 0.0:
+        raise ValueError(f"range_max must be positive metres, got {observation.range_max}")
+    return ranges, angles
 
 
 def _read(chart: GridMap) -> tuple[NDArray[np.bool_], Array, Record]:
