@@ -62,7 +62,7 @@ def reached_by_then(sample: ArrayLike, speed_bound: float, robot: Robot, dt: flo
 def stays_clear(
     pose: ArrayLike, sample: ArrayLike, hazards: ArrayLike, speed_bound: float, robot: Robot, dt: float
 ) -> bool:
-    """Whether (v, omega), driven for dt [s] and braked on its arc, meets no place that a mover can have reached by then.
+    """Whether (v, omega), driven for dt [s] and braked on its arc, meets no place that a mover can have reached.
 
     hazards: rows x, y, radius [m] of the movers, which walk no faster than `speed_bound` [m/s] in any direction.
     Exact: time advances by what the least gap allows. A robot that stands or turns in place always stays clear.
