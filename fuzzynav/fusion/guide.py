@@ -65,7 +65,7 @@ class Guide:
         self.memory.reset()
         self.map: GridMap | None = None
         self.way: Route | None = None
-        self.index = self.searches = 0
+        self.index = self.searches = self.seen = 0
         self.searched = self.looked = -np.inf
         self.best, self.since, self.until = np.inf, 0.0, -np.inf
 
@@ -90,6 +90,9 @@ class Guide:
         if self.way is None or now - self.looked < self.planning.check - 1e-9:
             return False
         self.looked = now
+        if self.memory.changes == self.seen:
+            return False
+        self.seen = self.memory.changes
         return not clear_from(self.memory.grid(None, self.wary), here, self.way, self.index, self.planning.slack)
 
     def _search(self, now: float, here: Array, goal: Array, movers: Array) -> None:

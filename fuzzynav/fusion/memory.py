@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from fuzzynav.control import Observation
 from fuzzynav.geometry import Array
@@ -16,7 +15,6 @@ __all__ = ["Memory"]
 Mask = NDArray[np.bool_]
 Bytes = NDArray[np.int8]
 HIT, MOST = 3, 9  # evidence of a scan that ends in a cell, and the most that a cell keeps
-BLOCK = np.ones((3, 3), dtype=np.bool_)
 
 
 class Memory:
@@ -54,8 +52,8 @@ class Memory:
         """The map now; what was seen is grown by `wary` [m], and rows x, y, radius [m] of `discs` are blocked too."""
         cells = round(wary / self.resolution)
         seen = self.evidence > 0
-        if cells and seen.any():
-            seen = ndimage.binary_dilation(seen, BLOCK, cells)
+        for _ in range(cells):
+            seen = _grown(seen)
         blocked = self.known | seen
         if discs is not None and len(discs):
             rows, cols = np.indices(blocked.shape)
@@ -76,6 +74,17 @@ class Memory:
             cols, rows = np.ceil((np.ptp(ends, axis=0) + 2.0 * self.reach) / self.resolution).astype(int)
             self.known = np.zeros((rows, cols), dtype=np.bool_)
         self.evidence = np.zeros(self.known.shape, dtype=np.int8)
+
+
+def _grown(cells: Mask) -> Mask:
+    """The cells and the eight around each."""
+    wide = cells.copy()
+    wide[:, 1:] |= cells[:, :-1]
+    wide[:, :-1] |= cells[:, 1:]
+    out = wide.copy()
+    out[1:] |= wide[:-1]
+    out[:-1] |= wide[1:]
+    return out
 
 
 @njit(cache=True)
