@@ -91,5 +91,5 @@ class Navigator:
             "braking": float(made.braking),
             "guarded": float((made.reasons == 3).sum()),
             "predicted": float(made.ways[chosen, 4]),
-            "movers": 0.0 if self.around is None else float(len(self.around.movers)),
+            "tracked": 0.0 if self.around is None else float(len(self.around.movers)),
         }
