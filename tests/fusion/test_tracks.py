@@ -123,14 +123,18 @@ def test_crossing_movers_keep_their_names() -> None:
 
 
 def test_movers_that_touch_in_the_scan_are_seen_apart() -> None:
-    one, two = Mover.constant((-0.43, 5.0), (0.0, -0.3), 0.4), Mover.constant((0.43, 3.0), (0.0, 0.3), 0.4)
-    told, places, speeds = follow(World(movers=(one, two)), np.zeros((70, 3)))
+    one, two = Mover.constant((-2.0, 3.0), (0.5, 0.0), 0.4), Mover.constant((2.0, 3.5), (-0.5, 0.0), 0.4)
+    world = World(movers=(one, two))
+    told, places, _ = follow(world, np.zeros((80, 3)))
     names = [told[12].ids[row_at(told[12], place)] for place in places[12]]
-    for now, place, speed in zip(told[12:], places[12:], speeds[12:], strict=True):
-        rows = [row_at(now, p, 0.1) for p in place]
-        assert now.ids[rows].tolist() == names
-        assert now.unseen[rows].max() < 0.35, "they pass abreast for a second, one cluster all the while"
-        assert np.hypot(*(now.velocities[rows] - speed).T).max() < 0.15
+    mine = beams = 0
+    for now, place in zip(told[12:], places[12:], strict=True):
+        _, owners = world.cast_labelled(np.zeros(3), ROUND.angles, 10.0, place)
+        row = int(np.flatnonzero(now.ids == names[0])[0])
+        assert now.unseen[row] < 0.25, "the nearer one is never hidden"
+        mine, beams = mine + int((now.labels[owners == 0] == row).sum()), beams + int((owners == 0).sum())
+    assert mine / beams > 0.97, "its hits are its own, also while both make one cluster"
+    assert [told[-1].ids[row_at(told[-1], place)] for place in places[-1]] == names
 
 
 @pytest.mark.parametrize("sideways", [0.0, 0.5, 1.0])
