@@ -1,4 +1,4 @@
-"""The planners of chapter 07 on the same seeded scenes: how each ends, how long it takes, what each ingredient is worth.
+"""The planners of chapter 07 on common seeded scenes: how each ends, and what each ingredient is worth.
 
 Four endings, never one: reached, hit (contact while moving), struck (a mover ran into the robot at rest), late. A case
 is a text 'robot/movers/planner/seed'. A robot that has not moved for a minute counts as late.
