@@ -158,18 +158,22 @@ def along_path(task: Task, options: Options, keep: Keep, rules: str | None = Non
 
 
 def ours(task: Task, params: DecisionParams = OURS, planning: Planning = PLANNING) -> Navigator:
-    """The planner of this chapter; without a map it remembers on finer cells, and it tracks what no one tells it."""
-    known = task.chart is not None
+    """The planner of this chapter; without a map it remembers on finer cells, and it tracks what no one tells it.
+
+    Three standard deviations of a range are kept from what stands, and count as the error of what may move.
+    """
+    doubt = 3.0 * task.laser.noise
     tracker = None
     if not task.ideal and task.speed_bound > 0.0:
         noise = max(task.laser.noise, LEAST_NOISE)
         tracker = Tracker(TrackParams(range_noise=noise, velocity_bound=task.speed_bound))
+        params = replace(params, error=max(params.error, doubt))
     return Navigator(
         task.robot,
         speed_bound=task.speed_bound,
         chart=task.chart,
-        params=replace(params, dt=task.dt),
-        planning=planning if known else replace(planning, resolution=0.5 * planning.resolution),
+        params=replace(params, dt=task.dt, margin=max(params.margin, doubt)),
+        planning=planning if task.chart is not None else replace(planning, resolution=0.5 * planning.resolution),
         tracker=tracker,
     )
 
