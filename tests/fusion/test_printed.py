@@ -118,9 +118,7 @@ def test_a_fault_brakes_and_a_missing_path_ends_the_run() -> None:
 def test_a_reset_forgets_the_run_before() -> None:
     world = World(bounds=(0.0, 12.0, 0.0, 6.0), movers=(Mover.constant((5.0, 4.0), (0.0, -0.2), 0.3),))
     controller = Printed(THESIS, PATH, ideal=True)
-    one, two = (
-        simulate.run(world, THESIS, controller, [1.0, 1.0, 0.0], PATH[-1], track_movers=True) for _ in range(2)
-    )
+    one, two = (simulate.run(world, THESIS, controller, [1.0, 1.0, 0.0], PATH[-1], track_movers=True) for _ in range(2))
     np.testing.assert_array_equal(one.poses, two.poses)
     assert one.log["subgoal"][0] == 0
 
