@@ -7,6 +7,7 @@ Imports run one way, from the top of this list to its end; the number is the cha
 - `data`          where the maps, rule bases, printed numbers and results lie
 - `control`       what a controller sees, and what it must answer                  04, 06
 - `documents`     what the documents printed: claims, figures, tables, equations
+- `batch`         sweeps over thousands of cases
 - `robot`         the robot's limits, its motion, the compiled arc and limiter     01, 04
 - `maps`          grid maps: distance fields, rays, files                          02, 05
 - `fuzzy`         membership, rules, inference, rule bases as files                03
@@ -22,10 +23,11 @@ Imports run one way, from the top of this list to its end; the number is the cha
 - `blend`         tracking and avoidance blended by a fuzzy weight                 08
 - `fusion`        a global path, a window among moving obstacles, and what keeps them safe  07
 - `evolve`        an evolution strategy that tunes numbers                         06, 10
-- `batch`         sweeps over thousands of cases
 - `studies`       the experiments behind the comparisons, by topic
 - `published`     published against reproduced
-- `plot`, `lab`   every figure; sliders and players
+- `plot`          every figure
+- `benchmark`     planners compared over a set of tasks, a user's own among them  07
+- `lab`           sliders and players
 - `course`        exercises, hints, solutions, handout and grading
 - `stale`, `warm` compiled kernels: forgotten when a source changed, made anew
 """

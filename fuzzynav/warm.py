@@ -22,6 +22,11 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.dwa.fast",
     "fuzzynav.dwa.kernels",
     "fuzzynav.dwa.sight",
+    "fuzzynav.fusion.clusters",
+    "fuzzynav.fusion.filters",
+    "fuzzynav.fusion.kernels",
+    "fuzzynav.fusion.memory",
+    "fuzzynav.fusion.tracks",
     "fuzzynav.fuzzy.engine",
     "fuzzynav.fuzzy.kernels",
     "fuzzynav.fuzzy.set_kernels",
@@ -32,8 +37,10 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.planning.openlist",
     "fuzzynav.planning.visibility",
     "fuzzynav.robot.kernels",
+    "fuzzynav.simulate.kernels",
     "fuzzynav.tracking.kernels",
     "fuzzynav.world.kernels",
+    "fuzzynav.world.timed",
 )
 
 

@@ -166,7 +166,8 @@ def imports(text: str, sources: Collection[str]) -> set[str]:
 ROBOT, SENSORS = "tests/robot/test_robot.py", "tests/sensors/test_sensors.py"
 LOCAL, MAPPING = "tests/localization/test_localization.py", "tests/mapping/test_mapping.py"
 GRID, RAYS, FILES = "tests/maps/test_gridmap.py", "tests/maps/test_rays.py", "tests/maps/test_files.py"
-WORLD, ASTAR, SIGHT = "tests/world/test_world.py", "tests/planning/test_astar.py", "tests/planning/test_visibility.py"
+WORLD, MOVERS = "tests/world/test_world.py", "tests/world/test_movers.py"
+ASTAR, SIGHT = "tests/planning/test_astar.py", "tests/planning/test_visibility.py"
 SMOOTH, SIMULATE = "tests/smoothing/test_smoothing.py", "tests/simulate/test_simulate.py"
 UNSEEN = "tests/dwa/test_sight.py"
 TRACK, BLEND, DWA = "tests/tracking/test_tracking.py", "tests/blend/test_blend.py", "tests/dwa/test_dwa.py"
@@ -247,6 +248,12 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{WORLD} -k 'yielding'", "movers that yield drive on"),
     Mutant("fuzzynav/world/kernels.py", "and dx * away_x + dy * away_y > 0.0:", ":",
            f"{WORLD} -k 'yielding'", "a mover yields also to a robot behind it"),
+    Mutant("fuzzynav/world/kernels.py", "return bool(nearest < here and nearest < robot[2]", "return bool(nearest < robot[2]",
+           f"{MOVERS} -k 'waits_only'", "a courteous mover waits for a robot that it leaves behind"),
+    Mutant("fuzzynav/world/kernels.py", "new[k], walked[k], speed, step = positions[k], travelled[k], 0.0, 0.0", "new[k], speed, step = positions[k], 0.0, 0.0",
+           f"{MOVERS} -k 'goes_on'", "the clock of a mover that waits runs on"),
+    Mutant("fuzzynav/world/timed.py", "late = frames[k, 0] if k < count - 1 else 0.0", "late = frames[k, 0]",
+           f"{MOVERS} -k 'jump_onto or never_touches'", "what a mover passes after its jump is not looked at"),
     # --- sensors
     Mutant("fuzzynav/sensors/laser.py", "np.where(ranges >= laser.range_max, np.inf, ranges)", "np.where(ranges > laser.range_max, np.inf, ranges)",
            f"{SENSORS} -k 'laser'", "a beam that met nothing reports range_max"),
@@ -319,13 +326,13 @@ MUTANTS: tuple[Mutant, ...] = (
     Mutant("fuzzynav/smoothing/splines.py", "controls = degree * np.diff(controls, axis=0) / gaps", "controls = np.diff(controls, axis=0) / gaps",
            f"{SMOOTH} -k 'derivatives'", "a spline's derivative lacks its degree"),
     # --- simulate
-    Mutant("fuzzynav/simulate/loop.py", "way += float(np.hypot(*(self.movers - old).T).max(initial=0.0))", "way += 0.0",
+    Mutant("fuzzynav/simulate/kernels.py", "if least > abs(driven[0]) * dt + way + NEAR:", "if least > abs(driven[0]) * dt + NEAR:",
            f"{SIMULATE} -k 'runs_past'", "the way of the movers does not call for a closer look"),
-    Mutant("fuzzynav/simulate/loop.py", "return min(end, min(between) - radius)", "return end",
+    Mutant("fuzzynav/simulate/kernels.py", "least = min(least, _clear(scene, fleet, movers, x, y) - radius)", "least = min(least, least)",
            f"{SIMULATE} -k 'runs_past'", "a contact inside a step with movers goes unseen"),
     Mutant("fuzzynav/simulate/loop.py", "acting = self.commands[k - self.late] if k >= self.late", "acting = self.commands[k] if k >= self.late",
            f"{SIMULATE} -k 'acts_late'", "a late command acts at once"),
-    Mutant("fuzzynav/simulate/loop.py", "turned < loop.stall_angle:", "True:",
+    Mutant("fuzzynav/simulate/loop.py", "and turned < loop.stall_angle)", "and True)",
            f"{SIMULATE} -k 'turns_on_the_spot'", "a robot that turns on the spot is stalled"),
     Mutant("fuzzynav/simulate/record.py", "(np.diff(v, 2) ** 2).sum() / self.dt**3)", "(np.diff(v, 2) ** 2).sum() / self.dt**4)",
            f"{SIMULATE} -k 'jerk_of_a_speed'", "the jerk's integral lacks its step"),

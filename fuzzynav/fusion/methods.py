@@ -19,6 +19,9 @@ from fuzzynav.dwa.controller import Controller as Window
 from fuzzynav.dwa.controller import Stuck
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import FuzzyWeights
+from fuzzynav.fusion.controller import Navigator
+from fuzzynav.fusion.decision import Params as DecisionParams
+from fuzzynav.fusion.guide import Planning
 from fuzzynav.fusion.printed import PRINTED, Printed
 from fuzzynav.fusion.subgoals import (
     Keep,
@@ -32,15 +35,18 @@ from fuzzynav.fusion.subgoals import (
     turning_points,
 )
 from fuzzynav.fusion.task import Method, Task
+from fuzzynav.fusion.tracks import Tracker, TrackParams
 from fuzzynav.fuzzy import FuzzySystem
 from fuzzynav.geometry import Array
 from fuzzynav.planning.astar import EFFICIENT, ENHANCED, TRADITIONAL, Options
 from fuzzynav.robot import Robot
 
-__all__ = ["METHODS", "PathFollower", "fitted_params", "path_of", "printed_fusion"]
+__all__ = ["METHODS", "PathFollower", "fitted_params", "ours", "path_of", "printed_fusion"]
 
 SPEEDS, TURNS = 15, 31  # samples of a window: at most these, and zero
 BEST_FIXED = (0.2, 0.7, 0.1)  # of all fixed weights the best on the training maps of chapter 06
+OURS, PLANNING = DecisionParams(), Planning()
+LEAST_NOISE = 0.003  # [m] of a range: also a scanner without noise sees a disc as a polygon
 RECOVERY = Stuck(tries=5)  # a baseline may turn away five times before it gives up
 
 
@@ -146,10 +152,32 @@ def along_path(task: Task, options: Options, keep: Keep, rules: str | None = Non
     return PathFollower(task, path_of(task, options, keep), _window(task, rules))
 
 
+def ours(task: Task, params: DecisionParams = OURS, planning: Planning = PLANNING) -> Navigator:
+    """The planner of this chapter; without a map it remembers on finer cells, and it tracks what no one tells it.
+
+    Three standard deviations of a range are kept from what stands, and count as the error of what may move.
+    """
+    doubt = 3.0 * task.laser.noise
+    tracker = None
+    if not task.ideal and task.speed_bound > 0.0:
+        noise = max(task.laser.noise, LEAST_NOISE)
+        tracker = Tracker(TrackParams(range_noise=noise, velocity_bound=task.speed_bound))
+        params = replace(params, error=max(params.error, doubt))
+    return Navigator(
+        task.robot,
+        speed_bound=task.speed_bound,
+        chart=task.chart,
+        params=replace(params, dt=task.dt, margin=max(params.margin, doubt)),
+        planning=planning if task.chart is not None else replace(planning, resolution=0.5 * planning.resolution),
+        tracker=tracker,
+    )
+
+
 _STRICT = replace(TRADITIONAL, corners="strict")  # a disc cannot cut corners
 _EFFICIENT = replace(EFFICIENT, corners="strict")
 
 METHODS: dict[str, Method] = {
+    "ours": ours,
     "printed": printed_fusion,
     "TDWA": plain_window,
     "A* + DWA": partial(along_path, options=_STRICT, keep=turning_points),

@@ -1,6 +1,7 @@
 """Every picture of the course; one module for each topic, all reached as `plot.<name>`."""
 
 from fuzzynav.plot.base import *
+from fuzzynav.plot.benchmark import *
 from fuzzynav.plot.blend import *
 from fuzzynav.plot.blit import *
 from fuzzynav.plot.dwa import *

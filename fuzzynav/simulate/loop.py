@@ -12,11 +12,13 @@ from numpy.typing import ArrayLike
 from fuzzynav import checks
 from fuzzynav.control import Controller, Observation
 from fuzzynav.geometry import Array, wrap
-from fuzzynav.robot import Robot, body_speeds, kernels, limit, move
-from fuzzynav.sensors import EXACT, Laser, Odometry, laser_scan
+from fuzzynav.robot import Robot, body_speeds, kernels, limits_of, move
+from fuzzynav.sensors import EXACT, Laser, Odometry
 from fuzzynav.simulate.disturbance import UNDISTURBED, Disturbance
+from fuzzynav.simulate.kernels import Walk, least_clearance
 from fuzzynav.simulate.record import Run
-from fuzzynav.world import World, movers_start, movers_step
+from fuzzynav.simulate.senses import Senses
+from fuzzynav.world import MoverState, World, movers_start, movers_step
 
 __all__ = ["IDEAL_LASER", "Loop", "Playback", "run", "stands_free"]
 
@@ -34,6 +36,8 @@ class Loop:
     stall_distance: float = 0.05
     stall_angle: float = 0.2  # [rad] and turned by less than this
     stop_at_contact: bool = True
+    standing: float = STILL  # [m/s] a robot that is no faster stands: what touches it then ran into it
+    end_when_struck: bool = False
     heading: float | None = None  # [rad] at the start; None: towards the goal, where start has no heading
     velocity: tuple[float, float] = (0.0, 0.0)  # v [m/s], omega [rad/s] at the start
     by_euler: bool = False  # integrate as the thesis does, not along exact arcs
@@ -41,6 +45,7 @@ class Loop:
     def __post_init__(self) -> None:
         if not (self.goal_tolerance > 0 and self.stall_time > 0 and self.stall_distance >= 0):
             raise ValueError(f"tolerance and times must be positive, got {self}")
+        checks.not_negative(standing=self.standing)
         checks.finite(self.velocity, "Loop.velocity (v, omega)", 2)
 
 
@@ -79,10 +84,10 @@ def run(
 ) -> Run:
     """Drive `robot` from `start` (x, y[, theta]) until the goal, a contact, standing still, or t_max [s].
 
-    laser None: nothing is scanned. track_movers: an ideal tracker tells the velocity of every point. goal None: the
-    controller's status or t_max ends the run. The same arguments and seed give the same run, bit for bit; rng None is
-    seed 0. Raises ValueError for times that are not positive, a start that touches something, a goal that lies
-    outside the world or inside an obstacle, or an object that is no controller.
+    laser None: nothing is scanned. track_movers: an ideal tracker tells the movers, and the velocity of every point.
+    goal None: the controller's status or t_max ends the run. The same arguments and seed give the same run, bit for
+    bit; rng None is seed 0. Raises ValueError for times that are not positive, a start that touches something, a goal
+    that lies outside the world or inside an obstacle, or an object that is no controller.
     """
     loop = loop or Loop()
     first, target = _checked(world, robot, start, goal, loop)
@@ -91,7 +96,7 @@ def run(
         raise ValueError(f"a controller is callable and has reset(), status and evidence; lacking: {lacking}")
     if not (dt > 0 and t_max >= dt and np.isfinite(t_max)):
         raise ValueError(f"dt must be positive and t_max at least one step, got dt {dt} and t_max {t_max}")
-    senses = _Senses(world, laser, odometry, track_movers)
+    senses = Senses(world, laser, odometry, track_movers)
     state = _State(robot, first, target, senses, np.random.default_rng(0 if rng is None else rng))
     steps = int(np.floor(t_max / dt + 1e-9))
     state.disturb(disturbance, loop, steps, dt)
@@ -103,7 +108,7 @@ def run(
         wish = np.array(controller(state.observe(k * dt)), dtype=float)
         if wish.shape != (2,) or not np.isfinite(wish).all():
             raise ValueError(f"the controller returned {wish.tolist()} at {k * dt:.1f} s: give finite (v, omega)")
-        state.advance(wish, k, dt, loop.by_euler)
+        state.advance(wish, k, dt, loop)
         state.keep(controller.evidence, wish)
         status = _ending(state, controller.status, loop, dt)
     return state.run(status or "timeout", dt)
@@ -129,27 +134,17 @@ def _checked(world: World, robot: Robot, start: ArrayLike, goal: ArrayLike | Non
     return (a if a.size == 3 else np.append(a, towards)), b[:2]
 
 
-@dataclass(frozen=True, slots=True)
-class _Senses:
-    """The world, and what of it an experiment grants the controller."""
-
-    world: World
-    laser: Laser | None
-    odometry: Odometry
-    track_movers: bool
-
-
 class _State:
     """The truth of one run while it is made, and its record."""
 
-    def __init__(self, robot: Robot, start: Array, goal: Array, senses: _Senses, rng: np.random.Generator) -> None:
+    def __init__(self, robot: Robot, start: Array, goal: Array, senses: Senses, rng: np.random.Generator) -> None:
         self.robot, self.goal, self.senses, self.world = robot, goal, senses, senses.world
         self.root = rng
         self.traffic_rng, self.rng = rng.spawn(2)  # noise must not change how the movers walk
         self.pose, self.believed = start.copy(), start.copy()
         self.traffic = movers_start(self.world, self.traffic_rng)
         self.movers = self.traffic.positions
-        self.poses: list[Array] = [self.pose]
+        self.limits = limits_of(robot)
         self.commands: list[Array] = []
         self.clearances: list[float] = []
         self.track: dict[str, list[Any]] = {"believed": [self.believed], "movers": [self.movers], "wish": []}
@@ -158,6 +153,8 @@ class _State:
 
     def disturb(self, disturbance: Disturbance, loop: Loop, steps: int, dt: float) -> None:
         """Draw what disturbs the run, and set the wheels turning as they turn at the start."""
+        self.poses = np.empty((steps + 1, 3))
+        self.poses[0] = self.pose
         self.plant = disturbance.plant(self.robot)[0]
         self.late = round(disturbance.delay / dt)
         self.noise, self.slip = np.zeros((steps, 3)), np.zeros((steps, 2))
@@ -176,53 +173,41 @@ class _State:
 
     def observe(self, time: float) -> Observation:
         """What the sensors grant."""
-        laser, pose = self.senses.laser, self.believed + self.noise[len(self.commands)]
-        told: dict[str, Any] = {"points": np.empty((0, 2))}
-        if laser is not None:
-            scan = laser_scan(self.world, self.pose, laser, self.rng, self.movers)
-            told = {"points": scan.world_points(pose), "ranges": scan.ranges, "angles": scan.angles}
-            told["range_max"] = laser.range_max
-            if self.senses.track_movers:
-                _, owners = self.world.cast_labelled(self.pose, scan.angles, laser.range_max, self.movers)
-                speeds = np.vstack([self.traffic.velocities, np.zeros(2)])  # -1: what stands
-                told["point_velocities"] = speeds[owners[scan.hits]]
+        pose = self.believed + self.noise[len(self.commands)]
+        told = self.senses.told(self.pose, pose, self.traffic, self.rng)
         return Observation(time=time, pose=pose, velocity=self.measured.copy(), goal=self.goal.copy(), **told)
 
-    def advance(self, wish: Array, k: int, dt: float, by_euler: bool) -> None:
+    def advance(self, wish: Array, k: int, dt: float, loop: Loop) -> None:
         """Step k of truth: limits, delay, motors, robot, movers, contact, odometry."""
-        self.command = limit(wish, self.command, self.robot, dt)
+        last, self.command = self.command, wish.copy()
+        kernels.limits(self.command.reshape(1, 2), last.reshape(1, 2), self.limits, dt)
         self.commands.append(self.command)
         acting = self.commands[k - self.late] if k >= self.late else self.first
-        start, old, driven = self.pose, self.movers, np.empty(2)
+        start, before, driven = self.pose, self.traffic, np.empty(2)
         self.pose = start.copy()
-        kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, by_euler, driven)
+        kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, loop.by_euler, driven)
         self.driven = driven
         self.velocity = body_speeds(self.wheels, self.robot) if "driven" in self.track else acting
-        self.traffic = movers_step(self.traffic, dt, self.pose, self.traffic_rng)
+        stands = bool(abs(driven[0]) <= loop.standing)
+        self.traffic = movers_step(before, dt, self.pose, self.traffic_rng, self.robot.radius, stands)
         self.movers = self.traffic.positions
-        self.clearances.append(self._least_clearance(start, driven, dt, old))
-        self._count_contact(abs(driven[0]) > STILL)
-        self.poses.append(self.pose)
+        self.clearances.append(self._least_clearance(start, driven, dt, before))
+        self._count_contact(not stands, bool(abs(driven[0]) > STILL))
+        self.poses[k + 1] = self.pose
         self._odometry(driven, dt)
 
-    def _least_clearance(self, start: Array, driven: Array, dt: float, old: Array) -> float:
-        """Least clearance [m] of the rim during the step; looked at more closely where the step could matter."""
-        radius, way = self.robot.radius, abs(driven[0]) * dt
-        way += float(np.hypot(*(self.movers - old).T).max(initial=0.0))
-        end = float(self.world.clearance(self.pose[:2], self.movers)) - radius
-        if end > way + 0.05:
-            return end
-        shares = np.array([0.2, 0.4, 0.6, 0.8])
-        points = move(start, driven, shares * dt)[:, :2]
-        if not len(old):
-            return min(end, float(self.world.clearance(points, old).min()) - radius)
-        standing = [old + u * (self.movers - old) for u in shares]
-        between = [float(self.world.clearance(p, m)) for p, m in zip(points, standing, strict=True)]
-        return min(end, min(between) - radius)
+    def _least_clearance(self, start: Array, driven: Array, dt: float, before: MoverState) -> float:
+        """Least clearance [m] of the rim during the step."""
+        now, world = self.traffic, self.world
+        walk = Walk(before.positions, now.positions, before.travelled, now.travelled)
+        radius = float(self.robot.radius)
+        return float(least_clearance(world.scene, now.fleet, walk, start, self.pose, driven, float(dt), radius))
 
-    def _count_contact(self, moving: bool) -> None:
-        """A contact counts once, when it begins; by whether the robot drove."""
+    def _count_contact(self, moving: bool, creeping: bool) -> None:
+        """A contact counts once, when it begins; by whether the robot drove, or crept into what stands."""
         now = self.clearances[-1] <= 0.0
+        if now and creeping and not moving:
+            moving = bool(self.world.clearance(self.pose[:2], []) <= self.robot.radius)
         if now and not self.touching:
             self.contacts[0 if moving else 1] += 1
         elif now and moving and not self.contacts[0]:
@@ -252,7 +237,7 @@ class _State:
         n = len(self.commands)
         return Run(
             t=dt * np.arange(n + 1, dtype=np.float64),
-            poses=np.array(self.poses),
+            poses=self.poses[: n + 1].copy(),
             commands=np.array(self.commands).reshape(n, 2),
             clearance=np.array(self.clearances),
             log={k: np.array(v) for k, v in self.track.items()},
@@ -268,17 +253,26 @@ def _ending(state: _State, named: str | None, loop: Loop, dt: float) -> str:
     """The status that ends the run now, or ''; `named` is what the controller says."""
     if state.contacts[0] and loop.stop_at_contact:
         return "collided"
+    if state.contacts[1] and loop.end_when_struck:
+        return "struck"
     if state.way <= loop.goal_tolerance:
         return "reached"
     if named:
         return str(named)
-    if not np.abs(state.pose).max() < FAR:
+    x, y, theta = state.pose.tolist()
+    if not (abs(x) < FAR and abs(y) < FAR and abs(theta) < FAR):
         return "diverged"
-    if np.isfinite(loop.stall_time):
-        back = int(np.ceil(loop.stall_time / dt - 1e-9))
-        if len(state.poses) > back:
-            gone = np.array(state.poses[-back - 1 :]) - state.poses[-back - 1]
-            turned = np.abs(wrap(gone[:, 2])).max()
-            if np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle:
-                return "stalled"
-    return ""
+    return "stalled" if np.isfinite(loop.stall_time) and _stalled(state, loop, dt) else ""
+
+
+def _stalled(state: _State, loop: Loop, dt: float) -> bool:
+    """Whether the last steps led nowhere."""
+    back, n = int(np.ceil(loop.stall_time / dt - 1e-9)), len(state.commands)
+    if n < back:
+        return False
+    gone = state.poses[n] - state.poses[n - back]
+    if np.hypot(gone[0], gone[1]) > 1.001 * loop.stall_distance:
+        return False  # the usual case, without a look at all of them
+    gone = state.poses[n - back : n + 1] - state.poses[n - back]
+    turned = np.abs(wrap(gone[:, 2])).max()
+    return bool(np.hypot(gone[:, 0], gone[:, 1]).max() < loop.stall_distance and turned < loop.stall_angle)

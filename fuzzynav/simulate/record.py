@@ -23,6 +23,7 @@ STATUSES: tuple[str, ...] = (
     "reached",  # the goal
     "done",  # the reference was followed to its end
     "collided",  # the robot drove into something
+    "struck",  # a mover ran into the robot while it stood
     "stalled",  # it stood or crept too long
     "blind",  # its sensors told it too little to move
     "timeout",
@@ -55,7 +56,8 @@ class Run:
     """A finished run of n steps; entry k + 1 of the poses is where command k led.
 
     `clearance[k]` is the least distance [m] from the robot's rim to anything during step k; `contacts_moving` counts
-    the contacts begun while the robot drove, `contacts_standing` the movers that ran into a robot at rest.
+    the contacts begun while the robot drove, `contacts_standing` the movers that ran into a robot at rest, which is
+    as `Loop.standing` says.
     """
 
     t: Array  # (n + 1,) [s]

@@ -12,8 +12,9 @@ from numba import njit
 
 from fuzzynav.geometry import Array
 from fuzzynav.maps.kernels import Bytes, Cells, Mask, distance_at, ray_length
+from fuzzynav.world.timed import frame_at, nearest_on_frames, nearest_on_line
 
-__all__ = ["GROUND", "Fleet", "Scene", "advance", "clearance", "raster", "rectangle_hits", "scan", "spacing"]
+__all__ = ["GROUND", "Fleet", "Scene", "advance", "between", "clearance", "raster", "rectangle_hits", "scan", "spacing"]
 
 GROUND = np.dtype(
     (
@@ -43,15 +44,17 @@ class Scene(NamedTuple):
 
 
 class Fleet(NamedTuple):
-    """The movers of a world, one entry each."""
+    """The movers of a world, one entry each; kinds: 0 constant, 1 patrol, 2 wander, 3 timed."""
 
     kinds: Cells
     radii: Array
     velocity: Array
     speeds: Array
     way: Array
-    corners: Cells
+    frames: Array
+    corners: Cells  # of the way, or rows of the frames
     yields: Array
+    courtesy: Array
 
 
 @njit(cache=True)
@@ -285,24 +288,46 @@ def _along(way: Array, count: int, travelled: float) -> tuple[float, float, floa
 
 
 @njit(cache=True)
+def _course(fleet: Fleet, k: int, position: Array, target: Array, walked: float) -> tuple[float, float, float, float]:
+    """Speed, direction and way left of a mover; a timed one walks seconds at speed 1, its direction is its velocity."""
+    if fleet.kinds[k] == 0:
+        speed = np.hypot(fleet.velocity[k, 0], fleet.velocity[k, 1])
+        return speed, fleet.velocity[k, 0] / max(speed, 1e-300), fleet.velocity[k, 1] / max(speed, 1e-300), np.inf
+    if fleet.kinds[k] == 1:
+        _, _, dx, dy = _along(fleet.way[k], fleet.corners[k], walked)
+        return fleet.speeds[k], dx, dy, np.inf
+    if fleet.kinds[k] == 3:
+        _, _, dx, dy = frame_at(fleet.frames[k], fleet.corners[k], walked)
+        return 1.0, dx, dy, np.inf
+    dx, dy = target[0] - position[0], target[1] - position[1]
+    left = np.hypot(dx, dy)
+    return fleet.speeds[k], dx / max(left, 1e-300), dy / max(left, 1e-300), left
+
+
+@njit(cache=True)
+def _crowds(fleet: Fleet, k: int, old: Array, new: Array, walked: float, step: float, robot: Array) -> bool:
+    """Whether a courteous mover would come within its courtesy of a robot (x, y, radius), and nearer than it is."""
+    if fleet.kinds[k] == 3:
+        nearest = nearest_on_frames(fleet.frames[k], fleet.corners[k], walked, step, robot[0], robot[1])
+    else:
+        nearest = nearest_on_line(old[0], old[1], new[0], new[1], robot[0], robot[1])
+    here = np.hypot(old[0] - robot[0], old[1] - robot[1])
+    return bool(nearest < here and nearest < robot[2] + fleet.radii[k] + fleet.courtesy[k])
+
+
+@njit(cache=True)
 def advance(
-    fleet: Fleet, positions: Array, targets: Array, travelled: Array, dt: float, robot: Array
+    fleet: Fleet, positions: Array, targets: Array, travelled: Array, dt: float, robot: Array, stands: bool
 ) -> tuple[Array, Array, Array, Mask]:
-    """Positions, velocities and distances walked after `dt`, and who has reached its random target."""
+    """Positions, velocities and what was walked after `dt`, and who has reached its random target.
+
+    robot: x, y and radius; `stands` says that courteous movers wait for it.
+    """
     count = len(fleet.kinds)
     new, speed_out, walked = positions.copy(), np.zeros((count, 2)), travelled.copy()
     arrived = np.zeros(count, dtype=np.bool_)
     for k in range(count):
-        speed, dx, dy, left = fleet.speeds[k], 0.0, 0.0, np.inf
-        if fleet.kinds[k] == 0:
-            speed = np.hypot(fleet.velocity[k, 0], fleet.velocity[k, 1])
-            dx, dy = fleet.velocity[k, 0] / max(speed, 1e-300), fleet.velocity[k, 1] / max(speed, 1e-300)
-        elif fleet.kinds[k] == 1:
-            _, _, dx, dy = _along(fleet.way[k], fleet.corners[k], travelled[k])
-        else:
-            dx, dy = targets[k, 0] - positions[k, 0], targets[k, 1] - positions[k, 1]
-            left = np.hypot(dx, dy)
-            dx, dy = dx / max(left, 1e-300), dy / max(left, 1e-300)
+        speed, dx, dy, left = _course(fleet, k, positions[k], targets[k], travelled[k])
         away_x, away_y = robot[0] - positions[k, 0], robot[1] - positions[k, 1]
         if fleet.yields[k] > 0.0 and np.isfinite(away_x) and dx * away_x + dy * away_y > 0.0:
             gap = np.hypot(away_x, away_y) - fleet.radii[k]
@@ -312,9 +337,25 @@ def advance(
         new[k, 0], new[k, 1] = positions[k, 0] + step * dx, positions[k, 1] + step * dy
         if fleet.kinds[k] == 1:
             new[k, 0], new[k, 1], dx, dy = _along(fleet.way[k], fleet.corners[k], walked[k])
+        elif fleet.kinds[k] == 3:
+            new[k, 0], new[k, 1], dx, dy = frame_at(fleet.frames[k], fleet.corners[k], walked[k])
+        if stands and fleet.courtesy[k] > 0.0:
+            if _crowds(fleet, k, positions[k], new[k], travelled[k], step, robot):
+                new[k], walked[k], speed, step = positions[k], travelled[k], 0.0, 0.0
         arrived[k] = fleet.kinds[k] == 2 and dt > 0.0 and step >= left
         speed_out[k, 0], speed_out[k, 1] = speed * dx, speed * dy
     return new, speed_out, walked, arrived
+
+
+@njit(cache=True)
+def between(fleet: Fleet, old: Array, new: Array, before: Array, after: Array, share: float) -> Array:
+    """Positions at a share of a step from `old` to `new`; before, after: what was walked. Timed movers may jump."""
+    out = old + share * (new - old)
+    for k in range(len(fleet.kinds)):
+        if fleet.kinds[k] == 3:
+            walked = before[k] + share * (after[k] - before[k])
+            out[k, 0], out[k, 1], _, _ = frame_at(fleet.frames[k], fleet.corners[k], walked)
+    return out
 
 
 def _warm() -> None:
@@ -330,5 +371,7 @@ def _warm() -> None:
     scan(scene, movers, np.array([[0.5, 0.5, 0.0]]), np.zeros(1), 5.0)
     raster(scene, discs, rectangles, 1.0, 0.0, 0.0, np.zeros((3, 3), dtype=np.bool_))
     one, count = np.ones(1), np.ones(1, dtype=np.int64)
-    fleet = Fleet(count, one, zero, one, np.array([[[0.0, 0.0], [1.0, 0.0]]]), count + 1, one)
-    advance(fleet, zero, zero, np.zeros(1), 0.1, np.zeros(2))
+    frames = np.array([[[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]])
+    fleet = Fleet(count, one, zero, one, np.array([[[0.0, 0.0], [1.0, 0.0]]]), frames, count + 1, one, one)
+    new, _, walked, _ = advance(fleet, zero, zero, np.zeros(1), 0.1, np.zeros(3), True)
+    between(fleet, zero, new, np.zeros(1), walked, 0.5)

@@ -1,6 +1,6 @@
 """Sub-goals: where a path turns, when the next one is taken, and the orbit that the printed rule falls into."""
 
-from itertools import pairwise
+import itertools
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_every_leg_is_free_for_the_disc(keep: subgoals.Keep, parts: int) -> None
     assert path[0].tolist() == [1.3, 1.6]
     assert path[-1].tolist() == [8.7, 1.2]
     assert len(path) >= 3
-    assert all(grid.clear_line(a, b, 0.3) for a, b in pairwise(path))
+    assert all(grid.clear_line(a, b, 0.3) for a, b in itertools.pairwise(path))
 
 
 def test_pruning_shortens_and_keeps_fewer_points() -> None:

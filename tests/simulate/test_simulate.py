@@ -218,6 +218,50 @@ def test_a_mover_that_yields_does_not_touch_a_standing_robot() -> None:
     assert rest.contacts_standing == 0
 
 
+def test_a_run_may_end_as_struck() -> None:
+    world = World(movers=(Mover.constant((5, 0), (-0.5, 0.0), 0.3),))
+    told = {"t_max": 14.0, "loop": Loop(end_when_struck=True)}
+    run = simulate.run(world, THESIS, Steady((0, 0)), (0, 0, 0), (20, 0), **told)
+    assert (run.status, run.contacts_moving, run.contacts_standing, run.success) == ("struck", 0, 1, False)
+    assert run.clearance[-1] <= 0.0 < run.clearance[:-1].min()
+    assert simulate.run(world, THESIS, Steady(), (0, 0, 0), (20, 0), **told).status == "collided"
+    polite = World(movers=(replace(world.movers[0], courtesy=0.1),))
+    waited = simulate.run(polite, THESIS, Steady((0, 0)), (0, 0, 0), (20, 0), **told)
+    assert (waited.status, waited.contacts_standing) == ("timeout", 0)
+    assert 0.1 <= waited.min_clearance < 0.15 + 1e-9
+    # it waits for who stands, not for who drives
+    assert simulate.run(polite, THESIS, Steady(), (0, 0, 0), (20, 0), **told).status == "collided"
+
+
+def test_a_robot_that_creeps_counts_as_standing_where_the_loop_says_so() -> None:
+    creep, loop = Steady((0.04, 0.0)), Loop(end_when_struck=True, standing=0.05)
+    world = World(movers=(Mover.constant((5, 0), (-0.5, 0.0), 0.3),))
+    struck = simulate.run(world, THESIS, creep, (0, 0, 0), (20, 0), t_max=14.0, loop=loop)
+    assert (struck.status, struck.contacts_moving, struck.contacts_standing) == ("struck", 0, 1)
+    plain = simulate.run(world, THESIS, creep, (0, 0, 0), (20, 0), t_max=14.0, loop=replace(loop, standing=0.03))
+    assert (plain.status, plain.contacts_moving, plain.contacts_standing) == ("collided", 1, 0)
+    wall = World(bounds=(-1.0, 0.5, -1.0, 1.0))  # nothing ran into it: it crept into the wall
+    crept = simulate.run(wall, THESIS, creep, (0, 0, 0), t_max=14.0, loop=loop)
+    assert (crept.status, crept.contacts_moving, crept.contacts_standing) == ("collided", 1, 0)
+    with pytest.raises(ValueError, match="standing"):
+        Loop(standing=-0.1)
+
+
+def test_a_mover_that_jumps_touches_only_where_it_lands() -> None:
+    around = [[0, -2, 0], [1, -2, 3], [2, 2, 3], [3, 2, 0]]  # and back to (-2, 0), over the robot
+    world = World(movers=(Mover.timed(around, 0.3, phase=0.05),))
+    over = simulate.run(world, THESIS, Steady((0, 0)), (0, 0, 0), t_max=9.0)
+    assert over.contacts_standing == 0
+    assert over.min_clearance == pytest.approx(2.0 - 0.3 - THESIS.radius, abs=0.01)
+    t = np.mod(0.05 + over.t, 3.0)
+    expected = [np.interp(t, [0, 1, 2, 3], row) for row in ([-2, -2, 2, 2], [0, 3, 3, 0])]
+    np.testing.assert_allclose(over.log["movers"][:, 0].T, expected, atol=1e-9)
+    onto = World(movers=(Mover.timed([[0, 0, 1], [1, 3, 0]], 0.3, phase=0.55),))
+    landed = simulate.run(onto, THESIS, Steady((0, 0)), (0, 0.6, 0), t_max=9.0, loop=Loop(end_when_struck=True))
+    assert landed.status == "struck"
+    assert landed.duration == pytest.approx(0.5)
+
+
 def test_dwa_in_a_dead_end_gets_a_name() -> None:
     """Goal behind a U: without recovery the run is stalled; with it, it escapes or is a local minimum."""
     y = np.arange(-1.2, 1.21, 0.1)
@@ -276,6 +320,23 @@ def test_tracker_tells_the_velocity_of_movers_only() -> None:
     assert 0 < fast.sum() < fast.size
     np.testing.assert_allclose(o.point_velocities[fast], [[0.0, 0.4]] * fast.sum())
     assert (np.abs(np.hypot(*(o.points[fast] - (3, -2)).T) - 0.3) < 1e-9).all()
+
+
+def test_tracker_tells_all_movers_seen_or_not() -> None:
+    behind = Mover.timed([[0, 9, 0], [4, 9, 2]], 0.4, phase=1.0)
+    world = World(discs=[[3.0, 0.0, 0.5]], movers=(Mover.constant((3, -2), (0.0, 0.4), 0.3), behind))
+    for laser in (IDEAL_LASER, None):
+        spy = Spy((0.0, 0.0))
+        simulate.run(world, THESIS, spy, (0, 0, 0), (9, 0), t_max=1.0, track_movers=True, laser=laser)
+        for o in spy.seen:
+            there = [[3, -2 + 0.4 * o.time, 0, 0.4, 0.3], [9, 0.5 * (1 + o.time), 0, 0.5, 0.4]]
+            np.testing.assert_allclose(o.movers, there, atol=1e-12)
+            assert not o.faults()
+    alone, untold = Spy(), Spy()
+    simulate.run(EMPTY, THESIS, alone, (0, 0, 0), (9, 0), t_max=0.3, track_movers=True)
+    simulate.run(world, THESIS, untold, (0, 0, 0), (9, 0), t_max=0.3)
+    assert alone.seen[0].movers.shape == (0, 5)
+    assert untold.seen[0].movers is None
 
 
 def test_drifting_odometry_believes_wrongly_and_noise_moves_the_points() -> None:
