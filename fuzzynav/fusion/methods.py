@@ -26,6 +26,7 @@ from fuzzynav.fusion.printed import PRINTED, Printed
 from fuzzynav.fusion.subgoals import (
     Keep,
     arc_cap,
+    capped,
     global_path,
     key_nodes,
     pruned,
@@ -118,14 +119,8 @@ class PathFollower(Controller):
         if not observation.faults():
             self.goals = switched_by_view(self.goals, observation.pose, self.task.chart, robot.radius)
             cap = arc_cap(observation.pose, self.goals.current, robot.max_vel_theta)
-            self.window.robot = _capped(robot, cap, float(observation.velocity[0]), self.task.dt)
+            self.window.robot = capped(robot, cap, float(observation.velocity[0]), self.task.dt)
         return self.window(replace(observation, goal=self.goals.current))
-
-
-def _capped(robot: Robot, cap: float, speed: float, dt: float) -> Robot:
-    """The robot with its speed bounded by the cap, or by what braking leaves of it."""
-    bound = max(cap, speed - robot.dec_lim_x * dt, 0.01 * robot.max_vel_x)
-    return robot if bound >= robot.max_vel_x else replace(robot, max_vel_x=bound)
 
 
 @cache
