@@ -70,6 +70,7 @@ class Navigator:
             chart=self.chart,
             tracks=self.tracks,
             tell=self.planning.explained,
+            trusts=self.params.evasion is not None,
         )
         target = self.guide.update(observation, self.around)
         made = decide(observation, target, self.around, self.robot, self.params, self.speed_bound)
@@ -91,5 +92,5 @@ class Navigator:
             "braking": float(made.braking),
             "guarded": float((made.reasons == 3).sum()),
             "predicted": float(made.ways[chosen, 4]),
-            "movers": 0.0 if self.around is None else float(len(self.around.movers)),
+            "tracked": 0.0 if self.around is None else float(len(self.around.movers)),
         }
