@@ -20,6 +20,7 @@ from fuzzynav.dwa.controller import Stuck
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fusion.controller import Navigator
+from fuzzynav.fusion.decision import EVADING
 from fuzzynav.fusion.decision import Params as DecisionParams
 from fuzzynav.fusion.guide import Planning
 from fuzzynav.fusion.printed import PRINTED, Printed
@@ -178,6 +179,7 @@ _EFFICIENT = replace(EFFICIENT, corners="strict")
 
 METHODS: dict[str, Method] = {
     "ours": ours,
+    "ours, evading": partial(ours, params=EVADING),
     "printed": printed_fusion,
     "TDWA": plain_window,
     "A* + DWA": partial(along_path, options=_STRICT, keep=turning_points),
