@@ -35,7 +35,7 @@ class Planning:
     check: float = 0.5  # [s]
     patience: float = 3.0  # [s] without progress, until movers count as obstacles of the way
     around: float = 8.0  # [s] for which they do
-    beside: float = 0.1  # [m] that the way keeps from them
+    beside: float = 0.2  # [m] that the way keeps from them
     near: float = 5.0  # [m] movers further away do not count
     progress: float = 0.3  # [m] by which the way must have become shorter
     slack: float = 0.01  # [m] beyond the robot's radius that a view of a turning point must be free
