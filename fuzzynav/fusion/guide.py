@@ -30,7 +30,7 @@ class Planning:
     resolution: float = 0.1  # [m] of the map that remembers
     rooms: tuple[float, ...] = (0.25, 0.1, -0.02)  # [m] beyond the robot's radius, the widest first
     enters: bool = True  # what the scanner finds is entered into the map
-    wary: float = 0.1  # [m] more room beside what only the scanner knows, where movers are about
+    wary: float = 0.0  # [m] more room beside what only the scanner knows, where movers are about
     every: float = 2.0  # [s]
     check: float = 0.5  # [s]
     patience: float = 3.0  # [s] without progress, until movers count as obstacles of the way
