@@ -11,12 +11,11 @@ from hypothesis import strategies as st
 
 from fuzzynav import simulate
 from fuzzynav.control import Controller, Observation
-from fuzzynav.fusion import Guide, Memory, Navigator, Planning, Task
+from fuzzynav.fusion import Memory, Navigator, Task
 from fuzzynav.fusion.decision import EVADING, Evasion, decide
 from fuzzynav.fusion.methods import METHODS
 from fuzzynav.fusion.sensed import Surroundings
 from fuzzynav.geometry import Array
-from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import Robot
 from fuzzynav.world import Mover, World
 
@@ -117,21 +116,6 @@ def test_the_map_enters_the_hits_that_stand_whatever_beams_miss() -> None:
     memory.enter(told, np.array([True, False, True]))
     assert memory.changes == 2
     assert [bool(memory.grid().occupied[tuple(memory.grid().cell_of(p)[::-1])]) for p in points] == [True, False, True]
-
-
-def test_a_robot_that_cannot_get_through_seeks_another_way() -> None:
-    """A wall with two doors; the nearer one is tried in vain."""
-    blocked = np.zeros((60, 60), dtype=np.bool_)
-    blocked[:, 30] = True
-    blocked[26:34, 30] = blocked[48:56, 30] = False
-    guide = Guide(0.3, Planning(), GridMap(blocked, 0.1), 0.0)
-    told, nothing = replace(seen(), pose=np.array([2.5, 3.0, 0.0]), goal=np.array([5.0, 3.0])), around(np.empty((0, 5)))
-    heights = []
-    for k in range(40):
-        guide.update(replace(told, time=0.1 * k), nothing)
-        assert guide.way is not None
-        heights.append(guide.way.points[:, 1].max())
-    assert heights[0] < 3.5 and heights[-1] > 4.5
 
 
 def test_evasion_refuses_what_makes_no_sense() -> None:
