@@ -19,4 +19,5 @@ from fuzzynav.plot.maps import *
 from fuzzynav.plot.planning import *
 from fuzzynav.plot.runs import *
 from fuzzynav.plot.sensors import *
+from fuzzynav.plot.studies import *
 from fuzzynav.plot.tracking import *
