@@ -24,8 +24,8 @@ from fuzzynav.fusion.tracks import Tracker, TrackParams, Tracks, kalman_step
 
 __all__ = [
     "DELTA", "EVADING", "GOAL", "METHODS", "PRINTED", "REASONS", "ROBOTS", "SPEED_BOUND", "START", "WEIGHTS",
-    "Decision", "Evasion", "Guide", "Memory", "Method", "Navigator", "Params", "PathFollower", "Planning", "Printed", "Route",
-    "SubGoals", "Surroundings", "Task", "TrackParams", "Tracker", "Tracks", "arc_cap", "decide", "global_path",
+    "Decision", "Evasion", "Guide", "Memory", "Method", "Navigator", "Params", "PathFollower", "Planning", "Printed",
+    "Route", "SubGoals", "Surroundings", "Task", "TrackParams", "Tracker", "Tracks", "arc_cap", "decide", "global_path",
     "improved_objective", "kalman_step", "passive_separation", "reached_by_then", "scene_task", "static_separation",
     "stays_clear", "sub_goals", "surroundings", "switched_by_radius", "switched_by_view", "terms",
 ]  # fmt: skip
