@@ -15,6 +15,7 @@ from fuzzynav.plot.labs.sensors import *
 from fuzzynav.plot.labs.start import *
 from fuzzynav.plot.labs.tracking import *
 from fuzzynav.plot.maps import *
+from fuzzynav.plot.navigation import *
 from fuzzynav.plot.planning import *
 from fuzzynav.plot.runs import *
 from fuzzynav.plot.sensors import *
