@@ -13,7 +13,7 @@ from fuzzynav.maps.kernels import Record
 __all__ = ["FAR", "TRACK", "decide", "judge", "kalman_correct", "kalman_predict", "kalman_step", "propose", "settle"]
 
 FAR = 1e6  # cost of a pair that is none
-RIM = 0.05  # [m] a hit this near to the rim of a tracked disc belongs to it
+RIM = 0.05  # [m] a hit this near to the rim of a disc that is expected may belong to it
 SURE = 0.01  # [m] no radius is known better: nothing is a perfect disc
 ODD = 0.05  # [m] radii that differ by this much may still be one disc
 TRACK = np.dtype(
@@ -222,7 +222,7 @@ def _correct(old: Row, now: Row, group: Row, moment: Array, rules: Record) -> No
     jump, price = _turn(rules)
     _, calm = _surprise(now, group, 0.0)
     _, wild = _surprise(now, group, (jump * dt) ** 2 / 3.0)
-    q = rule.acceleration if group.carved or calm <= wild + price else jump**2 / dt
+    q = rule.acceleration if calm <= wild + price else jump**2 / dt
     r = np.array([[group.xx, group.xy], [group.xy, group.yy]])
     mean, cov = kalman_step(old.state, old.cov, np.array([group.x, group.y]), dt, q, r)
     speed = np.hypot(mean[2], mean[3])
@@ -250,19 +250,9 @@ def _begin(track: Row, group: Row, time: float, rules: Record) -> None:
 
 @njit(cache=True)
 def _own(beams: Rows, group: Row, track: Row) -> None:
-    """Give the hits of a cluster to a track, and those beside it that lie on the track's rim."""
-    m = beams.size
+    """Give the hits of a cluster to a track."""
     for j in range(group.first, group.first + group.count):
         beams[j].owner = track.id
-    for way in range(2):
-        j = group.first - 1 if way == 0 else group.first + group.count
-        for _ in range(m):
-            beam = beams[j % m]
-            on_rim = abs(np.hypot(beam.x - track.state[0], beam.y - track.state[1]) - track.radius) < RIM
-            if beam.owner != NOBODY or not on_rim:
-                break
-            beam.owner = track.id
-            j += -1 if way == 0 else 1
 
 
 @njit(cache=True)

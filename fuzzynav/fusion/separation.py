@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.checks import finite
+from fuzzynav.checks import finite, points
 from fuzzynav.dwa.kernels import braking
 from fuzzynav.fusion import kernels
 from fuzzynav.geometry import Array, to_body
@@ -74,7 +74,7 @@ def stays_clear(
     >>> stays_clear([0, 0, 0], [0.65, 0], [[0.7, 0.0, 0.3]], 0.5, TURTLEBOT2, 0.1)
     False
     """
-    rows = finite(np.reshape(np.asarray(hazards, dtype=float), (-1, 3)), "hazards", 3)
+    rows = points(hazards, "hazards", 3)
     v, omega = finite(sample, "the sample", 2)
     turned = np.column_stack([to_body(pose, rows[:, :2]), rows[:, 2] + robot.radius])
     slower = braking(v, omega, limits_of(robot)[0])

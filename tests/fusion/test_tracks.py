@@ -8,7 +8,8 @@ import pytest
 from filterpy.kalman import KalmanFilter
 
 from fuzzynav.control import Observation
-from fuzzynav.fusion.filters import kalman_step
+from fuzzynav.fusion.clusters import BEAM, NOBODY
+from fuzzynav.fusion.filters import TRACK, judge, kalman_step
 from fuzzynav.fusion.tracks import Tracker, TrackParams, Tracks
 from fuzzynav.sensors import Laser, Scan, laser_scan
 from fuzzynav.world import Mover, World, movers_start, movers_step
@@ -121,11 +122,19 @@ def test_crossing_movers_keep_their_names() -> None:
     assert max(float(u[0]) for u in hidden) > 0.0, "the nearer one hid it for a while"
 
 
-def test_movers_that_touch_in_the_scan_keep_their_names() -> None:
-    one, two = Mover.constant((-2.0, 3.0), (0.5, 0.0), 0.4), Mover.constant((2.0, 3.3), (-0.5, 0.0), 0.4)
-    told, places, _ = follow(World(movers=(one, two)), np.zeros((80, 3)))
-    names = [told[8].ids[row_at(told[8], place)] for place in places[8]]
-    assert [told[79].ids[row_at(told[79], place)] for place in places[79]] == names
+def test_movers_that_touch_in_the_scan_are_seen_apart() -> None:
+    one, two = Mover.constant((-2.0, 3.0), (0.5, 0.0), 0.4), Mover.constant((2.0, 3.5), (-0.5, 0.0), 0.4)
+    world = World(movers=(one, two))
+    told, places, _ = follow(world, np.zeros((80, 3)))
+    names = [told[12].ids[row_at(told[12], place)] for place in places[12]]
+    mine = beams = 0
+    for now, place in zip(told[12:], places[12:], strict=True):
+        _, owners = world.cast_labelled(np.zeros(3), ROUND.angles, 10.0, place)
+        row = int(np.flatnonzero(now.ids == names[0])[0])
+        assert now.unseen[row] < 0.25, "the nearer one is never hidden"
+        mine, beams = mine + int((now.labels[owners == 0] == row).sum()), beams + int((owners == 0).sum())
+    assert mine / beams > 0.97, "its hits are its own, also while both make one cluster"
+    assert [told[-1].ids[row_at(told[-1], place)] for place in places[-1]] == names
 
 
 @pytest.mark.parametrize("sideways", [0.0, 0.5, 1.0])
@@ -291,6 +300,32 @@ def test_beams_out_of_order_are_put_in_order() -> None:
         a, b = one.update(seen(k * DT, np.zeros(3), scan)), two.update(seen(k * DT, np.zeros(3), mixed))
         np.testing.assert_allclose(a.movers, b.movers, atol=1e-9)
         assert (a.labels[order] == b.labels).all()
+
+
+@pytest.mark.parametrize(
+    ("hits", "free", "drift", "share"),
+    [(10, 0, 0.0, 0.0), (10, 1, 0.0, 0.0), (10, 2, 0.0, 0.2), (3, 3, 0.0, 0.0), (4, 4, 0.0, 1.0), (10, 2, 0.5, 0.0)],
+)
+def test_what_proves_motion(hits: int, free: int, drift: float, share: float) -> None:
+    rules = TrackParams(drift=drift).rules()
+    then, now = np.zeros(360, dtype=BEAM), np.zeros(360, dtype=BEAM)
+    for beams in (then, now):  # a round wall 5 m away
+        beams["bearing"] = beams["turn"] = np.arange(360) * 2.0 * np.pi / 360.0
+        beams["gap"], beams["range"], beams["owner"] = 2.0 * np.pi / 360.0, 5.0, NOBODY
+    now["range"][:free] = 4.0  # something came before it
+    for beams in (then, now):
+        beams["x"], beams["y"] = beams["range"] * np.cos(beams["bearing"]), beams["range"] * np.sin(beams["bearing"])
+    now["owner"][:hits] = 7
+    track = np.zeros(2, dtype=TRACK)
+    track["id"] = 3, 7
+    past, moment = np.zeros(9), np.array([0.0, 0.0, 0.0, 0.3, 0.1, 0.2, 0.5, 0.1, 0.2])  # it drove and turned since
+    assert judge(track, now, moment, then, past, np.zeros(2), rules).tolist() == [0.0, share]
+    then["owner"], now["owner"] = now["owner"].copy(), NOBODY
+    now["range"], then["range"] = then["range"].copy(), now["range"].copy()
+    for beams in (then, now):
+        beams["x"], beams["y"] = beams["range"] * np.cos(beams["bearing"]), beams["range"] * np.sin(beams["bearing"])
+    found = judge(track, now, moment, then, past, np.array([0.0, 0.1]), rules)
+    assert found.tolist() == [0.0, max(share, 0.1)], "what left a place is seen by looking through it"
 
 
 @pytest.mark.parametrize("field", [f.name for f in fields(TrackParams) if f.name != "patience"])
