@@ -8,6 +8,7 @@ from fuzzynav.plot.dwa import *
 from fuzzynav.plot.fuzzy import *
 from fuzzynav.plot.labs.blend import *
 from fuzzynav.plot.labs.dwa import *
+from fuzzynav.plot.labs.fusion import *
 from fuzzynav.plot.labs.fuzzy import *
 from fuzzynav.plot.labs.maps import *
 from fuzzynav.plot.labs.planning import *

@@ -123,8 +123,9 @@ def draw_reachable(
     mark.place((0.0, 0.0, 0.0), sample, rows, speed_bound, robot, dt)
     ax.add_collection(PolyCollection(circles(rows), facecolors=COLORS["mover"], edgecolors="black", zorder=4))
     draw_robot(ax, (0.0, 0.0, 0.0), robot.radius)
-    metric_axes(ax)
-    ax.autoscale_view()
+    shown = np.vstack([*mark.rings.get_segments(), *mark.bodies.get_segments()])
+    low, high = shown.min(axis=0) - 0.1, shown.max(axis=0) + 0.1
+    metric_axes(ax, (low[0], high[0], low[1], high[1]))
     return mark
 
 
