@@ -23,6 +23,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.dwa.kernels",
     "fuzzynav.dwa.sight",
     "fuzzynav.fusion.clusters",
+    "fuzzynav.fusion.evasion",
     "fuzzynav.fusion.filters",
     "fuzzynav.fusion.kernels",
     "fuzzynav.fusion.memory",

@@ -115,10 +115,8 @@ def propose(tracks: Rows, beams: Rows, groups: Rows, moment: Array, rules: Recor
         for k in range(groups.size):
             if groups[k].misfit == np.inf:
                 continue
-            near, calm = _surprise(now[i], groups[k], 0.0)
+            _, calm = _surprise(now[i], groups[k], 0.0)
             squared, wild = _surprise(now[i], groups[k], (jump * dt) ** 2)
-            if groups[k].carved:  # where the track is expected, hence no turn
-                squared, wild = near, np.inf
             if squared <= rules[0].gate:
                 doubt = groups[k].spread ** 2 + now[i].spread ** 2 + ODD**2
                 costs[i, k] = min(calm, wild + price) + (groups[k].radius - now[i].radius) ** 2 / doubt

@@ -38,7 +38,7 @@ class Planning:
     beside: float = 0.1  # [m] that the way keeps from them
     near: float = 5.0  # [m] movers further away do not count
     progress: float = 0.3  # [m] by which the way must have become shorter
-    slack: float = 0.05  # [m] by which a view may come nearer than the way
+    slack: float = 0.01  # [m] beyond the robot's radius that a view of a turning point must be free
     explained: float = 0.15  # [m] a hit this near to the known map belongs to it
 
     def __post_init__(self) -> None:
@@ -81,7 +81,7 @@ class Guide:
             self._search(observation.time, here, goal, around.movers)
         if self.way is None or self.map is None:
             return goal
-        self.index = target_of(self.map, here, self.way, self.index, self.planning.slack)
+        self.index = target_of(self.map, here, self.way, self.index, self.radius + self.planning.slack)
         self._note(observation.time, here)
         return np.asarray(self.way.points[self.index])
 
@@ -93,7 +93,9 @@ class Guide:
         if self.memory.changes == self.seen:
             return False
         self.seen = self.memory.changes
-        return not clear_from(self.memory.grid(None, self.wary), here, self.way, self.index, self.planning.slack)
+        return not clear_from(
+            self.memory.grid(None, self.wary), here, self.way, self.index, self.radius + self.planning.slack
+        )
 
     def _search(self, now: float, here: Array, goal: Array, movers: Array) -> None:
         """Seek a way over the map of this moment; the old one stays where there is none."""

@@ -20,12 +20,14 @@ from fuzzynav.dwa.controller import Stuck
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fusion.controller import Navigator
+from fuzzynav.fusion.decision import EVADING
 from fuzzynav.fusion.decision import Params as DecisionParams
 from fuzzynav.fusion.guide import Planning
 from fuzzynav.fusion.printed import PRINTED, Printed
 from fuzzynav.fusion.subgoals import (
     Keep,
     arc_cap,
+    capped,
     global_path,
     key_nodes,
     pruned,
@@ -118,14 +120,8 @@ class PathFollower(Controller):
         if not observation.faults():
             self.goals = switched_by_view(self.goals, observation.pose, self.task.chart, robot.radius)
             cap = arc_cap(observation.pose, self.goals.current, robot.max_vel_theta)
-            self.window.robot = _capped(robot, cap, float(observation.velocity[0]), self.task.dt)
+            self.window.robot = capped(robot, cap, float(observation.velocity[0]), self.task.dt)
         return self.window(replace(observation, goal=self.goals.current))
-
-
-def _capped(robot: Robot, cap: float, speed: float, dt: float) -> Robot:
-    """The robot with its speed bounded by the cap, or by what braking leaves of it."""
-    bound = max(cap, speed - robot.dec_lim_x * dt, 0.01 * robot.max_vel_x)
-    return robot if bound >= robot.max_vel_x else replace(robot, max_vel_x=bound)
 
 
 @cache
@@ -158,18 +154,22 @@ def along_path(task: Task, options: Options, keep: Keep, rules: str | None = Non
 
 
 def ours(task: Task, params: DecisionParams = OURS, planning: Planning = PLANNING) -> Navigator:
-    """The planner of this chapter; without a map it remembers on finer cells, and it tracks what no one tells it."""
-    known = task.chart is not None
+    """The planner of this chapter; without a map it remembers on finer cells, and it tracks what no one tells it.
+
+    Three standard deviations of a range are kept from what stands, and count as the error of what may move.
+    """
+    doubt = 3.0 * task.laser.noise
     tracker = None
     if not task.ideal and task.speed_bound > 0.0:
         noise = max(task.laser.noise, LEAST_NOISE)
         tracker = Tracker(TrackParams(range_noise=noise, velocity_bound=task.speed_bound))
+        params = replace(params, error=max(params.error, doubt))
     return Navigator(
         task.robot,
         speed_bound=task.speed_bound,
         chart=task.chart,
-        params=replace(params, dt=task.dt),
-        planning=planning if known else replace(planning, resolution=0.5 * planning.resolution),
+        params=replace(params, dt=task.dt, margin=max(params.margin, doubt)),
+        planning=planning if task.chart is not None else replace(planning, resolution=0.5 * planning.resolution),
         tracker=tracker,
     )
 
@@ -179,6 +179,7 @@ _EFFICIENT = replace(EFFICIENT, corners="strict")
 
 METHODS: dict[str, Method] = {
     "ours": ours,
+    "ours, evading": partial(ours, params=EVADING),
     "printed": printed_fusion,
     "TDWA": plain_window,
     "A* + DWA": partial(along_path, options=_STRICT, keep=turning_points),

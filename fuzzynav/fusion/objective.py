@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from fuzzynav.dwa.steps import distance_score, heading_score, normalise, speed_score
 from fuzzynav.geometry import Array
 
-__all__ = ["DELTA", "WEIGHTS", "checked_weights", "improved_objective", "terms"]
+__all__ = ["DELTA", "WEIGHTS", "checked_weights", "clearances_at", "improved_objective", "terms"]
 
 DELTA = 0.2  # weight of the clearance from what moves; ours, the thesis prints none (errata T39)
 WEIGHTS = (0.05, 0.2, 0.3, DELTA)  # alpha, beta, gamma of table 4.1, and delta
@@ -40,6 +40,14 @@ def terms(
         distance_score(dynamic, d_max),
     )
     return np.column_stack(columns)
+
+
+def clearances_at(ends: Array, points: Array, radius: float) -> Array:
+    """Clearance `(n,)` [m] of a disc at each of the ends `(n, 2)` from the nearest of the points `(m, 2)`."""
+    if not len(points):
+        return np.full(len(ends), np.inf)
+    dx, dy = ends[:, :1] - points[:, 0], ends[:, 1:2] - points[:, 1]
+    return np.asarray(np.maximum(np.sqrt((dx * dx + dy * dy).min(axis=1)) - radius, 0.0))
 
 
 def improved_objective(found: ArrayLike, weights: ArrayLike = WEIGHTS) -> Array:

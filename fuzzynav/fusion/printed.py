@@ -14,13 +14,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav.checks import positive
 from fuzzynav.control import Observation
-from fuzzynav.dwa.steps import TABLE_4_1, Params, admissible_as_printed, end_clearance, window
-from fuzzynav.fusion.objective import WEIGHTS, checked_weights, improved_objective, terms
-from fuzzynav.fusion.subgoals import SWITCH_RADIUS, sub_goals, switched_by_radius
+from fuzzynav.dwa.steps import TABLE_4_1, Params, admissible_as_printed, arcs, window
+from fuzzynav.fusion.objective import WEIGHTS, checked_weights, clearances_at, improved_objective, terms
+from fuzzynav.fusion.subgoals import (
+    SWITCH_RADIUS,
+    SubGoals,
+    arc_cap,
+    capped,
+    sub_goals,
+    switched_by_radius,
+    switched_by_view,
+)
 from fuzzynav.geometry import Array
+from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.robot import Robot
 
-__all__ = ["PRINTED", "Printed", "PrintedParams", "PrintedPlan", "told_apart"]
+__all__ = ["PRINTED", "Cured", "Printed", "PrintedParams", "PrintedPlan", "told_apart"]
 
 MOVES = 1e-6  # [m/s] what is told to be faster than this moves
 TIE = 1e-9  # totals nearer than this are equal: processors differ in the last digit
@@ -83,7 +92,7 @@ class Printed:
             return np.zeros(2)
         faulty = bool(observation.faults())
         if not faulty:
-            self.goals = switched_by_radius(self.goals, observation.pose, self.params.switch)
+            self.goals = self._followed(self.goals, observation)
         made = self._plan(observation, self.goals.current, faulty)
         if self.keep:
             self.plans.append(made)
@@ -97,23 +106,54 @@ class Printed:
         }
         return made.command
 
+    def _followed(self, goals: SubGoals, observation: Observation) -> SubGoals:
+        """The sub-goals that are left."""
+        return switched_by_radius(goals, observation.pose, self.params.switch)
+
+    def _body(self, observation: Observation, target: Array) -> Robot:
+        """The robot with the limits that hold in this step."""
+        return self.robot
+
     def _plan(self, observation: Observation, target: Array, faulty: bool) -> PrintedPlan:
         """Rate the samples of the window and take the best; without one, or without senses, brake on the arc."""
         params = self.params.window
-        samples = window(observation.velocity, self.robot, params)
+        samples = window(observation.velocity, self.robot if faulty else self._body(observation, target), params)
         found, ok = np.full((len(samples), 4), np.nan), np.zeros(len(samples), dtype=bool)
         totals = np.full(len(samples), np.nan)
         if not faulty:
             pose = np.asarray(observation.pose, dtype=float)
-            clear = [
-                end_clearance(pose, samples, points, self.robot.radius, params.sim_time)
-                for points in told_apart(observation, self.ideal)
-            ]
+            ends = arcs(pose, samples, [params.sim_time])[:, 0, :2]
+            standing, moving = told_apart(observation, self.ideal)
+            clear = clearances_at(ends, standing, self.robot.radius), clearances_at(ends, moving, self.robot.radius)
             ok = admissible_as_printed(samples, np.minimum(*clear), self.robot)
-            found = terms(pose, samples, target, (clear[0], clear[1]), params.sim_time, params.d_max)
+            found = terms(pose, samples, target, clear, params.sim_time, params.d_max)
             totals[ok] = improved_objective(found[ok], self.params.weights)
         chosen = _best(samples, totals) if ok.any() else len(samples) - 1
         return PrintedPlan(samples[chosen].copy(), samples, found, totals, ok, target, chosen, not ok.any())
+
+
+class Cured(Printed):
+    """The printed fusion without the orbit: the next sub-goal is taken in clear view, and the arcs are capped."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        path: ArrayLike,
+        chart: GridMap,
+        params: PrintedParams = PRINTED,
+        *,
+        ideal: bool = False,
+        keep: bool = False,
+    ) -> None:
+        self.chart = chart
+        super().__init__(robot, path, params, ideal=ideal, keep=keep)
+
+    def _followed(self, goals: SubGoals, observation: Observation) -> SubGoals:
+        return switched_by_view(goals, observation.pose, self.chart, self.robot.radius)
+
+    def _body(self, observation: Observation, target: Array) -> Robot:
+        cap = arc_cap(observation.pose, target, self.robot.max_vel_theta)
+        return capped(self.robot, cap, float(observation.velocity[0]), self.params.window.dt)
 
 
 def told_apart(observation: Observation, ideal: bool = True) -> tuple[Array, Array]:

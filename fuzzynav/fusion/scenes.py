@@ -15,7 +15,7 @@ from fuzzynav.geometry import Array, resample
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import visibility
 from fuzzynav.robot import THESIS, TURTLEBOT2, Robot
-from fuzzynav.simulate.loop import Loop
+from fuzzynav.simulate.loop import IDEAL_LASER, Loop
 from fuzzynav.world import Mover, World
 
 __all__ = ["EDITION", "GOAL", "ROBOTS", "SPEED_BOUND", "START", "scene_task"]
@@ -27,6 +27,7 @@ SPEED_BOUND = 0.5  # [m/s] no mover is faster
 START, GOAL = (1.5, 1.5), (18.5, 18.5)  # [m]
 SIZE, DENSITY = 20, 0.12  # cells of 1 m along a side; share of blocks
 UNKNOWN, MOVERS = 3, 4
+NOISY_LASER = replace(IDEAL_LASER, noise=0.01)
 KEEP = 3.0  # [m] around start and goal without unknown squares and movers
 LEAST_WALK = 2.0  # [m] of a patrol
 
@@ -38,7 +39,8 @@ def scene_task(
     way among everything that stands.
 
     The movers patrol at 0.15 to 0.5 m/s on ground that is free for their disc; courteous ones stop 0.1 m before a robot
-    that stands. Scenes without a way for the robot's disc are drawn anew. Raises ValueError for a negative seed.
+    that stands. Where no one tells where they are (`ideal` False), the scanner's ranges are noisy by 1 cm. Scenes
+    without a way for the robot's disc are drawn anew. Raises ValueError for a negative seed.
     """
     if seed < 0:
         raise ValueError(f"a scene has a number of 0 or more, got {seed}")
@@ -62,6 +64,7 @@ def scene_task(
         optimum=best.length,
         chart=known,
         ideal=ideal,
+        laser=IDEAL_LASER if ideal else NOISY_LASER,
         loop=Loop(stall_time=np.inf, standing=0.05, end_when_struck=True),
     )
 

@@ -19,6 +19,7 @@ from fuzzynav.geometry import Array, sealed, wrap
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import astar
 from fuzzynav.planning.astar import ENHANCED, Options
+from fuzzynav.robot import Robot
 from fuzzynav.smoothing import simplify
 
 __all__ = [
@@ -27,6 +28,7 @@ __all__ = [
     "VIEW_RADIUS",
     "SubGoals",
     "arc_cap",
+    "capped",
     "global_path",
     "key_nodes",
     "pruned",
@@ -188,3 +190,9 @@ def arc_cap(pose: ArrayLike, target: ArrayLike, omega: float) -> float:
     error = min(abs(float(wrap(np.arctan2(dy, dx) - theta))), 0.5 * np.pi)
     chord, bend = omega * float(np.hypot(dx, dy)), 2.0 * float(np.sin(error))
     return chord / bend if bend > 1e-9 * chord else float("inf")
+
+
+def capped(robot: Robot, cap: float, speed: float, dt: float) -> Robot:
+    """The robot with its speed [m/s] bounded by the cap, or by what one step of braking leaves of its present speed."""
+    bound = max(cap, speed - robot.dec_lim_x * dt, 0.01 * robot.max_vel_x)
+    return robot if bound >= robot.max_vel_x else replace(robot, max_vel_x=bound)

@@ -9,7 +9,8 @@ from fuzzynav.dwa.steps import TABLE_4_1, normalise
 from fuzzynav.fusion.objective import DELTA, WEIGHTS, improved_objective, terms
 
 share = st.floats(0.0, 1.0)
-rows = st.lists(st.tuples(st.floats(0, 180), st.floats(0, 2), st.floats(0, 1), st.floats(0, 2)), min_size=2, max_size=9)
+tenth = st.integers(0, 20).map(lambda k: k / 10.0)
+rows = st.lists(st.tuples(tenth.map(lambda k: 90.0 * k), tenth, tenth, tenth), min_size=2, max_size=9)
 
 
 def test_the_weights_are_those_of_table_4_1_and_ours() -> None:

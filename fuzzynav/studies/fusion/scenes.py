@@ -1,4 +1,4 @@
-"""The planners of chapter 07 on the same seeded scenes: how each ends, how long it takes, what each ingredient is worth.
+"""The planners of chapter 07 on common seeded scenes: how each ends, and what each ingredient is worth.
 
 Four endings, never one: reached, hit (contact while moving), struck (a mover ran into the robot at rest), late. A case
 is a text 'robot/movers/planner/seed'. A robot that has not moved for a minute counts as late.
@@ -23,12 +23,14 @@ from fuzzynav.planning.astar import ENHANCED
 from fuzzynav.studies.study import Study
 
 __all__ = [
-    "BRAKES", "INGREDIENTS", "PLANNERS", "SEEDS", "REPLANNING", "RIVAL_SEEDS", "SCENE_STUDIES", "braking_cases",
-    "comparison_cases", "ingredient_cases", "outcome", "outcome_braking", "rival_cases", "step_times", "time_cases", "task_of",
+    "BRAKES", "FEW", "FIRST", "INGREDIENTS", "PLANNERS", "REPLANNING", "RIVAL_SEEDS", "SCENE_STUDIES", "SEEDS",
+    "braking_cases", "comparison_cases", "ingredient_cases", "outcome", "outcome_braking", "rival_cases", "step_times",
+    "task_of", "time_cases",
 ]  # fmt: skip
 
+FIRST = 20_000  # no scene from this one on was looked at before the planners were fixed
 SEEDS, RIVAL_SEEDS = 1000, 250  # scenes of our planner; the first of them for all others, which end within 3 points
-FEW = 200  # of the ingredients and of the brakes
+FEW = 100  # of the ingredients and of the brakes
 WAIT = 60.0  # [s] at rest until a run is late
 BRAKES = (0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.5)  # [m/s^2]
 NEVER = float("inf")
@@ -91,9 +93,9 @@ def _rounded(value: Any) -> Any:
 
 def time_cases() -> tuple[str, ...]:
     """Every planner on a few scenes, for the clock."""
-    return tuple(f"turtlebot2/yield/{name}/{seed}" for name in PLANNERS for seed in range(4000, 4010)) + tuple(
-        f"turtlebot2/yield scans/ours/{seed}" for seed in range(4000, 4010)
-    )
+    return tuple(
+        f"turtlebot2/yield/{name}/{seed}" for name in PLANNERS for seed in range(FIRST + 4000, FIRST + 4010)
+    ) + tuple(f"turtlebot2/yield scans/ours/{seed}" for seed in range(FIRST + 4000, FIRST + 4010))
 
 
 def step_times(case: str) -> dict[str, Any]:
@@ -106,14 +108,23 @@ def step_times(case: str) -> dict[str, Any]:
 def rival_cases() -> tuple[str, ...]:
     """Every other planner on the first scenes, with either robot, movers that yield and an ideal tracker."""
     rivals = [name for name in PLANNERS if name not in ("ours", REPLANNING)]
-    return tuple(f"{robot}/yield/{name}/{seed}" for robot in ROBOTS for name in rivals for seed in range(RIVAL_SEEDS))
+    return tuple(
+        f"{robot}/yield/{name}/{seed}"
+        for robot in ROBOTS
+        for name in rivals
+        for seed in range(FIRST, FIRST + RIVAL_SEEDS)
+    )
 
 
 def comparison_cases() -> tuple[str, ...]:
     """Ours on every scene: movers told or tracked, that yield or do not; and the same without guard and prediction."""
-    ways = (("yield", "ours"), ("yield scans", "ours"), ("blind", "ours"), ("yield", REPLANNING))
+    ways = ("yield", "yield scans", "blind")
+    whole = [(robot, movers, "ours", SEEDS) for movers in ways for robot in ROBOTS]
+    parts = [(robot, "yield", REPLANNING, RIVAL_SEEDS) for robot in ROBOTS]
     return tuple(
-        f"{robot}/{movers}/{name}/{seed}" for robot in ROBOTS for movers, name in ways for seed in range(SEEDS)
+        f"{robot}/{movers}/{name}/{seed}"
+        for robot, movers, name, count in whole + parts
+        for seed in range(FIRST, FIRST + count)
     )
 
 
@@ -122,7 +133,11 @@ def ingredient_cases() -> tuple[str, ...]:
     told = {name: "yield scans" if "hide" in name else "yield" for name in INGREDIENTS}
     rows = [("yield", "the whole"), ("yield scans", "the whole")]
     rows += [(told[name], name) for name in INGREDIENTS if name != "the whole"]
-    return tuple(f"turtlebot2/{movers}/{name}/{seed}" for movers, name in rows for seed in range(2000, 2000 + FEW))
+    return tuple(
+        f"turtlebot2/{movers}/{name}/{seed}"
+        for movers, name in rows
+        for seed in range(FIRST + 2000, FIRST + 2000 + FEW)
+    )
 
 
 def braking_cases() -> tuple[str, ...]:
@@ -131,7 +146,7 @@ def braking_cases() -> tuple[str, ...]:
         f"turtlebot2/{movers}/{brake}/{seed}"
         for movers in ("yield", "blind")
         for brake in BRAKES
-        for seed in range(3000, 3000 + FEW)
+        for seed in range(FIRST + 3000, FIRST + 3000 + FEW)
     )
 
 
