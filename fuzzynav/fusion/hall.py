@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzynav.fusion.scenes import ROBOTS, SPEED_BOUND
+from fuzzynav.fusion.scenes import NOISY_LASER, ROBOTS, SPEED_BOUND
 from fuzzynav.fusion.task import Task
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.planning import visibility
 from fuzzynav.robot import Robot
-from fuzzynav.simulate.loop import Loop
+from fuzzynav.simulate.loop import IDEAL_LASER, Loop
 from fuzzynav.world import Mover, World
 
 __all__ = ["HALL", "hall_task"]
@@ -44,7 +44,7 @@ def hall_task(
     """From the left end of the hall to the right one, past blocks `(n, 2)` [m] that the map does not show.
 
     walkers: rows x1, y1, x2, y2 [m], speed [m/s] of people who walk to and fro between two places, and stop `courtesy`
-    [m] before a robot that stands. Raises ValueError for a walker faster than SPEED_BOUND.
+    [m] before a robot that stands; without an `ideal` tracker ranges are noisy by 1 cm. Raises ValueError for a walker faster than SPEED_BOUND.
 
     >>> round(hall_task().optimum, 2)
     10.83
@@ -65,6 +65,7 @@ def hall_task(
         optimum=visibility.shortest(HALL, START[:2], GOAL, robot.radius).length,
         chart=HALL,
         ideal=ideal,
+        laser=IDEAL_LASER if ideal else NOISY_LASER,
         t_max=t_max,
         loop=Loop(stall_time=np.inf, standing=0.05, end_when_struck=True),
     )

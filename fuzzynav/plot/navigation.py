@@ -17,11 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav import dwa, fusion
 from fuzzynav.control import Observation
+from fuzzynav.dwa.kernels import braking
 from fuzzynav.geometry import Array
 from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.runs import draw_world
-from fuzzynav.robot import Robot
+from fuzzynav.robot import Robot, limits_of
 
 __all__ = [
     "MapMark",
@@ -67,9 +68,8 @@ def braking_arc(
     times: the moments, by default every dt until it stands.
     """
     v, omega = np.asarray(sample, dtype=float)
-    way = float(dwa.stopping_distance([[v, omega]], robot, dt)[0])
-    steps = int(np.ceil(2.0 * way / (abs(v) * dt) - 1.0 - 1e-9)) if v != 0.0 else 0
-    drop = abs(v) / max(steps, 1)
+    drop = braking(float(v), float(omega), limits_of(robot)[0]) * dt
+    steps = int(np.ceil(abs(v) / drop - 1e-12)) if v != 0.0 else 0
     t = np.arange(steps + 1) * dt if times is None else np.clip(np.asarray(times, dtype=float), 0.0, steps * dt)
     k = np.floor(t / dt + 1e-9)
     done = dt * (k * abs(v) - 0.5 * drop * k * (k - 1.0)) + (t - k * dt) * np.maximum(abs(v) - k * drop, 0.0)
@@ -312,15 +312,16 @@ def draw_moment(ax: Axes, task: fusion.Task, moment: fusion.Moment, *, driven: A
 # --- from beams to a track ------------------------------------------------------------------------
 
 
-def draw_scan_hits(ax: Axes, seen: Observation, *, beams: bool = True) -> list[Artist]:
-    """The beams of a scan that hit something, and their hits."""
-    assert seen.ranges is not None and seen.angles is not None
-    hit = np.isfinite(seen.ranges) & (seen.ranges < seen.range_max)
+def draw_scan_hits(ax: Axes, seen: Observation, which: Mask, *, beams: bool = True) -> list[Artist]:
+    """The hits of some beams of a scan, `which` `(k,)`, and the beams themselves. Raises ValueError without a scan."""
+    if seen.ranges is None or seen.angles is None:
+        raise ValueError("there is no scan to draw")
+    hit = which & np.isfinite(seen.ranges) & (seen.ranges < seen.range_max)
     bearing = seen.pose[2] + seen.angles[hit]
     ends = seen.pose[:2] + seen.ranges[hit, None] * np.column_stack([np.cos(bearing), np.sin(bearing)])
     made: list[Artist] = [*ax.plot(*ends.T, ".", color=COLORS["obstacle"], markersize=5, zorder=5)]
     if beams:
-        lines = LineCollection([np.array([seen.pose[:2], end]) for end in ends], colors="#CCCCCC", linewidths=0.6)
+        lines = LineCollection([np.array([seen.pose[:2], end]) for end in ends], colors="#999999", linewidths=0.7)
         made.append(ax.add_collection(lines))
     return made
 

@@ -84,13 +84,13 @@ class HallRun:
 
 
 @lru_cache(maxsize=16)
-def _hall_run(block: tuple[float, float], walker: tuple[float, float], robot: str, movers: str) -> HallRun:
-    """A hall with one block and two walkers; walker: x [m] of the first and speed [m/s] of both."""
+def _hall_run(block: tuple[float, float], walker: tuple[float, float], movers: str) -> HallRun:
+    """The thesis's robot in a hall with a block and two walkers; walker: x [m] of the first, speed [m/s] of both."""
     x, speed = walker
     task = fusion.hall_task(
         blocks=[block],
         walkers=[[x, 1.2, x, 6.8, speed], [9.2, 6.8, 9.2, 1.2, speed]] if speed > 0 else [],
-        robot=fusion.ROBOTS[robot],
+        robot=THESIS,
         ideal=movers == "told by an ideal tracker",
     )
     driven, moments = fusion.watch(task)
@@ -109,14 +109,14 @@ def hall_lab(figure: Figure) -> Update:
     marks = map_mark(ax, fusion.HALL.extent), prediction_mark(ax), reach_mark(ax)
     draw_goal(ax, (11.0, 4.0))
     body = draw_robot(ax, HERE, 0.3)
-    window = reason_mark(axes["w"], fusion.ROBOTS["turtlebot2"])
+    window = reason_mark(axes["w"], THESIS)
     axes["w"].set_title("squares by score, circle chosen", fontsize=9)
-    axes["w"].legend(loc="upper center", bbox_to_anchor=(0.5, -0.25), ncols=1, fontsize=8)
+    figure.legend(handles=list(window.refused), loc="outside lower center", ncols=4, fontsize=8.5)
 
     def update(
         time: float, block_x: float, block_y: float, walker_x: float, speed: float, movers: str
     ) -> tuple[list[Artist], str]:
-        made = _hall_run((block_x, block_y), (walker_x, speed), "turtlebot2", movers)
+        made = _hall_run((block_x, block_y), (walker_x, speed), movers)
         row = made.driven.row
         if made.driven.run is None or not made.moments:
             return [side], f"no run: {row['status']}"
