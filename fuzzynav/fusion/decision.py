@@ -176,7 +176,8 @@ def _settings(robot: Robot, params: Params, speed_bound: float) -> tuple[Array, 
     reserve, aside = (params.reserve, params.aside) if bound > 0.0 else (0.0, params.margin)
     values = (
         params.dt, params.sim_time, aim, wide / (params.v_samples - 1), 2.0 * turn / (params.omega_samples - 1),
-        params.d_max, params.margin, bound, reserve, aside, params.creep + 1e-9, params.growth, params.evasion is not None,
+        params.d_max, params.margin, bound, reserve, aside, params.creep + 1e-9, params.growth,
+        params.evasion is not None,
     )  # fmt: skip
     own = params.evasion or Evasion()
     flight = (params.sim_time, own.hold, own.early, own.dread, own.scale, own.fade, params.growth)

@@ -44,7 +44,8 @@ def hall_task(
     """From the left end of the hall to the right one, past blocks `(n, 2)` [m] that the map does not show.
 
     walkers: rows x1, y1, x2, y2 [m], speed [m/s] of people who walk to and fro between two places, and stop `courtesy`
-    [m] before a robot that stands; without an `ideal` tracker ranges are noisy by 1 cm. Raises ValueError for a walker faster than SPEED_BOUND.
+    [m] before a robot that stands. Without an `ideal` tracker ranges are noisy by 1 cm. Raises ValueError for a walker
+    faster than SPEED_BOUND.
 
     >>> round(hall_task().optimum, 2)
     10.83

@@ -11,7 +11,7 @@ from fuzzynav.control import Controller, Observation
 from fuzzynav.fusion.controller import Navigator
 from fuzzynav.fusion.decision import Decision, Params
 from fuzzynav.fusion.guide import Planning
-from fuzzynav.fusion.methods import ours
+from fuzzynav.fusion.methods import OURS, PLANNING, ours
 from fuzzynav.fusion.protocol import Driven, drive
 from fuzzynav.fusion.sensed import Surroundings
 from fuzzynav.fusion.task import Task
@@ -76,7 +76,7 @@ class Witness(Controller):
 
 
 def watch(
-    task: Task, params: Params = Params(), planning: Planning = Planning(), seed: int = 0
+    task: Task, params: Params = OURS, planning: Planning = PLANNING, seed: int = 0
 ) -> tuple[Driven, list[Moment]]:
     """The planner of this chapter driven through a task, and a Moment for every step of its run."""
     made: list[Witness] = []

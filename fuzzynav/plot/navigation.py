@@ -9,17 +9,15 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection, PolyCollection
-from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgba
+from matplotlib.colors import ListedColormap, to_rgba
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzynav import dwa, fusion
 from fuzzynav.control import Observation
 from fuzzynav.dwa.kernels import braking
 from fuzzynav.geometry import Array
-from fuzzynav.maps.gridmap import GridMap
 from fuzzynav.plot.base import COLORS, draw_goal, draw_path, draw_robot, metric_axes
 from fuzzynav.plot.runs import draw_world
 from fuzzynav.robot import Robot, limits_of
@@ -74,7 +72,7 @@ def braking_arc(
     k = np.floor(t / dt + 1e-9)
     done = dt * (k * abs(v) - 0.5 * drop * k * (k - 1.0)) + (t - k * dt) * np.maximum(abs(v) - k * drop, 0.0)
     unit = np.array([[np.sign(v), omega / abs(v) if v != 0.0 else 0.0]])
-    return t, np.array([dwa.arcs(pose, unit, [s])[0, 0] for s in done])
+    return np.asarray(t, dtype=float), np.array([dwa.arcs(pose, unit, [s])[0, 0] for s in done])
 
 
 @dataclass(frozen=True, slots=True)

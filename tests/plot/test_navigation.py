@@ -74,9 +74,7 @@ def test_a_prediction_moves_on_and_grows():
     mark = plot.prediction_mark(ax)
     mark.place([[1.0, 2.0, 0.5, -0.2, 0.3]], 3.0, 0.1)
     for t, disc in zip((1, 2, 3), mark.discs.get_segments(), strict=True):
-        np.testing.assert_allclose(
-            np.hypot(*(disc - [1.0 + 0.5 * t, 2.0 - 0.2 * t]).T), 0.3 + 0.1 * t, atol=1e-9
-        )
+        np.testing.assert_allclose(np.hypot(*(disc - [1.0 + 0.5 * t, 2.0 - 0.2 * t]).T), 0.3 + 0.1 * t, atol=1e-9)
 
 
 def test_a_moment_shows_the_cells_that_were_entered(watched):

@@ -33,7 +33,10 @@ def _check_orbit(answer: Any) -> str:
     for value, sentence in (
         ((least, turn), "The radius comes first, then the distance: yours are swapped."),
         ((0.35, least), "0.35 is omega v; the radius of a circle driven at v with omega is v/omega."),
-        ((turn, inside), "That is how far the sub-goal is from the centre; the circle itself is a radius away from it."),
+        (
+            (turn, inside),
+            "That is how far the sub-goal is from the centre; the circle itself is a radius away from it.",
+        ),
         ((turn, np.hypot(2.0, 2.0)), "That is the distance at the start; the robot comes nearer before it turns away."),
         ((turn, turn - 2.0), "The sub-goal is not straight beside the robot: its x of 2 m counts too."),
         ((turn, 0.0), "The sub-goal lies inside the circle, not on it: the robot passes it by."),
@@ -70,8 +73,8 @@ def _check_cap(answer: Function) -> str:
     )
     k = int(np.argmax(np.abs(told - right)))
     raise Wrong(
-        f"With {told[k]:.3f} m/s and {omega[k]:.2f} rad/s the circle has the radius {told[k] / omega[k]:.2f} m; the one "
-        f"through a target {d[k]:.2f} m away, {np.degrees(e[k]):.0f} degrees aside, has {right[k] / omega[k]:.2f} m."
+        f"With {told[k]:.3f} m/s and {omega[k]:.2f} rad/s the circle has the radius {told[k] / omega[k]:.2f} m; "
+        f"the one through a target {d[k]:.2f} m away, {np.degrees(e[k]):.0f} degrees aside, has {right[k] / omega[k]:.2f} m."
     )
 
 
@@ -99,10 +102,15 @@ def _check_switch(answer: Function) -> str:
     start = np.array([k for k, _ in cases])
     named(
         told,
-        (np.array([passed(k, p, most=1) for k, p in cases]), "Two sub-goals may lie within the radius: go on while so."),
+        (
+            np.array([passed(k, p, most=1) for k, p in cases]),
+            "Two sub-goals may lie within the radius: go on while so.",
+        ),
         (np.array([passed(k, p, bound=last + 1) for k, p in cases]), "The goal has no next one: its index must stay."),
         (
-            np.array([max(k, int(n[-1]) + 1 if len(n) else 0) for k, n in zip(start, near, strict=True)]).clip(max=last),
+            np.array([max(k, int(n[-1]) + 1 if len(n) else 0) for k, n in zip(start, near, strict=True)]).clip(
+                max=last
+            ),
             "Yours jumps over sub-goals that were not reached, to one near by on a later part of the path.",
         ),
         (np.array([int(np.argmin(np.hypot(*(points - p).T))) for _, p in cases]), "The nearest one may be behind."),
@@ -138,14 +146,15 @@ def _check_cell(answer: Function) -> str:
 
     named(
         said,
-        (otherwise(lambda n, a, b: max(n - b, 0) + 3 * a), "Evidence ends at 9: a block that was there for an hour could "
-         "not be forgotten."),
-        (otherwise(lambda n, a, b: min(n - b + 3 * a, 9)), "Evidence ends at 0 as well: yours owes the next block a debt."),
+        (otherwise(lambda n, a, b: max(n - b, 0) + 3 * a), "Evidence ends at 9: a block that was there for an hour "
+         "could not be forgotten."),
+        (otherwise(lambda n, a, b: min(n - b + 3 * a, 9)), "Evidence ends at 0 as well: yours owes the next "
+         "block a debt."),
         (otherwise(lambda n, a, b: min(n + 3 * a, 9)), "Yours never forgets: a beam that passes over weakens by 1."),
         (otherwise(lambda n, a, b: min(max(n - b, 0) + a, 9)), "A beam that ends in the cell counts 3, not 1."),
         (otherwise(lambda n, a, b: min(max(n - 3 * b, 0) + a, 9)), "Yours has 3 and 1 exchanged: it forgets too soon."),
-        (otherwise(lambda n, a, b: 0 if b and not a else min(n + 3 * a, 9)), "One beam that looks over must not erase: a "
-         "cell may be hit at its edge only."),
+        (otherwise(lambda n, a, b: 0 if b and not a else min(n + 3 * a, 9)), "One beam that looks over must not erase: "
+         "a cell may be hit at its edge only."),
         (otherwise(lambda n, a, b: 9 if a else max(n - b, 0)), "One hit is not full evidence: it adds 3."),
     )  # fmt: skip
     j = int(np.argmax(said != right))

@@ -38,7 +38,9 @@ def _check_separation(answer: Function) -> str:
     stop, walked = v**2 / (2 * brake), bound * v / brake
     period = (gain / brake + 1.0) * (0.5 * gain * dt**2 + dt * (v + bound))
     if close(told, stop + walked + period):
-        return "At 0.5 m/s, thesis's brakes and V = 0.5 m/s that is 2.08 m; the robot's own way to a stop is 0.62 m of it."
+        return (
+            "At 0.5 m/s, thesis's brakes and V = 0.5 m/s that is 2.08 m; the robot's own way to a stop is 0.62 m of it."
+        )
     named(
         told,
         (stop + walked, "Between two decisions the robot may still speed up: the last term is missing."),
@@ -79,7 +81,9 @@ def _check_horizon(answer: Any) -> str:
     ):
         if abs(told - value) <= 0.002:
             raise Wrong(sentence)
-    raise Wrong(f"From {told:.2f} m/s a robot that loses 0.2 m/s in every second stands after {told / 0.2:.1f} s, not 3.")
+    raise Wrong(
+        f"From {told:.2f} m/s a robot that loses 0.2 m/s in every second stands after {told / 0.2:.1f} s, not 3."
+    )
 
 
 # --- 07b.3
@@ -176,9 +180,15 @@ def _check_assign(answer: Function) -> str:
     named(
         told,
         (np.concatenate([c.argmin(axis=1) for c in costs]), "Two tracks may want the same cluster: each column once."),
-        (np.concatenate([c.argmin(axis=0) for c in costs]), "That asks each cluster for its track; asked is the reverse."),
+        (
+            np.concatenate([c.argmin(axis=0) for c in costs]),
+            "That asks each cluster for its track; asked is the reverse.",
+        ),
         (np.concatenate([_greedy(c) for c in costs]), "Row by row the first track takes what the second needs more."),
-        (np.concatenate([_cheapest_first(c) for c in costs]), "The cheapest pair first can leave a dear one for the end."),
+        (
+            np.concatenate([_cheapest_first(c) for c in costs]),
+            "The cheapest pair first can leave a dear one for the end.",
+        ),
         (np.concatenate([_best(c, -1.0) for c in costs]), "Yours finds the dearest pairing: costs are to be small."),
         (np.concatenate([np.argsort(_best(c)) for c in costs]), "Yours is a row for each column; asked are columns."),
     )
@@ -198,7 +208,7 @@ EXERCISES: tuple[Exercise, ...] = (
         2,
         (
             "Three parts: the robot's way to a stop, what the walker walks while it brakes, and one period before.",
-            "In the period e the robot drives (v + V) e + A e²/2 nearer, and braking away the gain costs A/b times that.",
+            "In the period e both come nearer by (v + V) e + A e²/2, and braking away the gain costs A/b times that.",
         ),
         _check_separation,
     ),

@@ -1,9 +1,8 @@
-"""Labs of planning and reacting: the orbit, a hall to fill, weights and safety by hand, what the speed bound forbids."""
+"""Labs of planning and reacting: the orbit, a hall to fill, weights and layers of safety, what a speed bound forbids."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -20,6 +19,7 @@ from fuzzynav.plot.base import COLORS, draw_goal, draw_grid, draw_path, draw_rob
 from fuzzynav.plot.blit import Update
 from fuzzynav.plot.navigation import circles, forbidden, map_mark, prediction_mark, reach_mark, reason_mark
 from fuzzynav.robot import THESIS, Robot, move
+from fuzzynav.simulate.record import Run
 
 __all__ = ["LAYERS", "bound_lab", "hall_lab", "orbit_path", "orbit_lab", "guard_lab", "guard_run"]
 
@@ -97,48 +97,67 @@ def _hall_run(block: tuple[float, float], walker: tuple[float, float], movers: s
     return HallRun(task, driven, moments)
 
 
+class HallPicture:
+    """The artists of the hall's lab, placed for any moment of any run."""
+
+    def __init__(self, figure: Figure) -> None:
+        axes = figure.subplot_mosaic("mw", width_ratios=[1.7, 1.0])
+        ax = axes["m"]
+        draw_grid(ax, fusion.HALL)
+        self.block = Rectangle((0, 0), 0.8, 0.8, facecolor=COLORS["unknown"], hatch="///", zorder=2)
+        self.people = PolyCollection([], facecolors=COLORS["mover"], edgecolors="black", zorder=4)
+        ax.add_patch(self.block)
+        ax.add_collection(self.people)
+        self.driven, self.whole = draw_path(ax, np.empty((0, 2))), draw_path(ax, np.empty((0, 2)), role="unknown")
+        self.map, self.ahead, self.reach = map_mark(ax, fusion.HALL.extent), prediction_mark(ax), reach_mark(ax)
+        draw_goal(ax, (11.0, 4.0))
+        self.body = draw_robot(ax, HERE, 0.3)
+        self.window = reason_mark(axes["w"], THESIS)
+        axes["w"].set_title("squares by score, circle chosen", fontsize=9)
+        figure.legend(handles=list(self.window.refused), loc="outside lower center", ncols=4, fontsize=8.5)
+
+    @property
+    def artists(self) -> list[Artist]:
+        """All that moves."""
+        marks = [a for mark in (self.map, self.ahead, self.reach, self.window) for a in mark.artists]
+        return [self.block, self.people, self.driven, self.whole, *self.body.artists, *marks]
+
+    def place(self, made: HallRun, run: Run, k: int, block: tuple[float, float]) -> None:
+        """Show step k of a run past a block with this centre."""
+        seen = made.moments[k]
+        pose, command = seen.observation.pose, seen.decision.command
+        self.block.set_xy((block[0] - 0.4, block[1] - 0.4))
+        spots = run.log["movers"][k] if made.task.world.movers else np.empty((0, 2))
+        self.people.set_verts(circles(np.column_stack([spots, np.full(len(spots), 0.3)])))
+        self.driven.set_data(*run.poses[: k + 1, :2].T)
+        self.whole.set_data(*run.poses[:, :2].T)
+        self.body.place(pose)
+        self.map.place(seen)
+        self.ahead.place(seen.around.movers, 3.0, fusion.Params().growth)
+        self.reach.place(pose, command, seen.around.hazards, made.task.speed_bound, THESIS, made.task.dt)
+        self.window.place(seen.decision, seen.observation.velocity)
+
+
 def hall_lab(figure: Figure) -> Update:
     """A hall with a block and walkers to place; any moment of the run that follows, with all that the planner knew."""
-    axes = figure.subplot_mosaic("mw", width_ratios=[1.7, 1.0])
-    ax = axes["m"]
-    draw_grid(ax, fusion.HALL)
-    side = ax.add_patch(Rectangle((0, 0), 0.8, 0.8, facecolor=COLORS["unknown"], hatch="///", zorder=2))
-    people = PolyCollection([], facecolors=COLORS["mover"], edgecolors="black", zorder=4)
-    ax.add_collection(people)
-    line, whole = draw_path(ax, np.empty((0, 2))), draw_path(ax, np.empty((0, 2)), role="unknown")
-    marks = map_mark(ax, fusion.HALL.extent), prediction_mark(ax), reach_mark(ax)
-    draw_goal(ax, (11.0, 4.0))
-    body = draw_robot(ax, HERE, 0.3)
-    window = reason_mark(axes["w"], THESIS)
-    axes["w"].set_title("squares by score, circle chosen", fontsize=9)
-    figure.legend(handles=list(window.refused), loc="outside lower center", ncols=4, fontsize=8.5)
+    picture = HallPicture(figure)
 
     def update(
         time: float, block_x: float, block_y: float, walker_x: float, speed: float, movers: str
     ) -> tuple[list[Artist], str]:
         made = _hall_run((block_x, block_y), (walker_x, speed), movers)
-        row = made.driven.row
-        if made.driven.run is None or not made.moments:
-            return [side], f"no run: {row['status']}"
-        run, k = made.driven.run, min(round(time / 0.1), len(made.moments) - 1)
+        run, row = made.driven.run, made.driven.row
+        if run is None or not made.moments:
+            return [], f"no run: {row['reason'] or row['status']}"
+        k = min(round(time / 0.1), len(made.moments) - 1)
+        picture.place(made, run, k, (block_x, block_y))
         seen = made.moments[k]
-        side.set_xy((block_x - 0.4, block_y - 0.4))
-        spots = run.log["movers"][k] if made.task.world.movers else np.empty((0, 2))
-        people.set_verts(circles(np.column_stack([spots, np.full(len(spots), 0.3)])))
-        line.set_data(*run.poses[: k + 1, :2].T)
-        whole.set_data(*run.poses[:, :2].T)
-        pose, chosen = seen.observation.pose, seen.decision
-        body.place(pose)
-        marks[0].place(seen)
-        marks[1].place(seen.around.movers, 3.0, fusion.Params().growth)
-        marks[2].place(pose, chosen.command, seen.around.hazards, made.task.speed_bound, made.task.robot, made.task.dt)
-        window.place(chosen, seen.observation.velocity)
-        moved = [a for mark in (*marks, window) for a in mark.artists]
         text = (
             f"{run.t[k]:.1f} of {run.duration:.1f} s: v = {seen.observation.velocity[0]:.2f} m/s, search "
-            f"{seen.searches}, {int(seen.entered.sum())} cells entered, {_counted(chosen)}; in the end: {row['ending']}"
+            f"{seen.searches}, {int(seen.entered.sum())} cells entered, {_counted(seen.decision)}; in the end: "
+            f"{row['ending']}"
         )
-        return [side, people, line, whole, *body.artists, *moved], text
+        return picture.artists, text
 
     return update
 

@@ -115,9 +115,7 @@ WRONG = {
             "the factor A/b + 1",
         ),
         "walker rests": (
-            lambda v, bound, b, dt, gain: (
-                v**2 / (2 * b) + bound * v / b + (gain / b + 1) * (gain * dt**2 / 2 + dt * v)
-            ),
+            lambda v, bound, b, dt, gain: v**2 / (2 * b) + bound * v / b + (gain / b + 1) * (gain * dt**2 / 2 + dt * v),
             "v + V, not v",
         ),
         "one percent": (lambda *given: 1.01 * sum(parts(*given)), "the separation is"),
