@@ -60,7 +60,7 @@ def fitted_params(params: Params, robot: Robot, dt: float) -> Params:
     >>> round(fitted_params(TABLE_3_3, TURTLEBOT2, 0.1).v_resolution, 4)
     0.0357
     """
-    gain = min((robot.acc_lim_x + robot.dec_lim_x) * dt, robot.max_vel_x - robot.min_vel_x)
+    gain = min(2.0 * max(robot.acc_lim_x, robot.dec_lim_x) * dt, robot.max_vel_x - robot.min_vel_x)
     spin = 2.0 * min(robot.acc_lim_theta * dt, robot.max_vel_theta)
     return replace(
         params,

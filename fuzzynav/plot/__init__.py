@@ -5,6 +5,7 @@ from fuzzynav.plot.benchmark import *
 from fuzzynav.plot.blend import *
 from fuzzynav.plot.blit import *
 from fuzzynav.plot.dwa import *
+from fuzzynav.plot.fusion import *
 from fuzzynav.plot.fuzzy import *
 from fuzzynav.plot.labs.blend import *
 from fuzzynav.plot.labs.dwa import *

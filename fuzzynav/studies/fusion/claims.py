@@ -23,12 +23,13 @@ from fuzzynav.studies.reproduction import Interval, Measured, Reproduction
 from fuzzynav.studies.study import Study
 
 __all__ = [
-    "REPRODUCTIONS", "STUDIES", "case_of", "endings", "fusion_run", "less", "nearest", "placed_rows", "setting_rows",
-    "traditional_run",
+    "CURED", "REPRODUCTIONS", "STUDIES", "arrived", "case_of", "endings", "fusion_run", "less", "nearest", "pairs",
+    "placed_rows", "setting_rows", "traditional_run",
 ]  # fmt: skip
 
 ROUNDING = 0.005 + 1e-9  # [m] of two decimals
-FUSIONS = ("fusion", "fusion, no orbit", "fusion, no orbit, equal")
+CURED = "fusion, no orbit"
+FUSIONS = ("fusion", CURED, "fusion, no orbit, equal")
 
 
 def setting_rows(given: str) -> pd.DataFrame:
@@ -47,7 +48,7 @@ def _printed(given: str, who: str) -> float:
     return float(documents.claim(f"thesis:c-4.3-{given}-{who}-len").value)
 
 
-def _arrived(given: str, who: str) -> pd.DataFrame:
+def arrived(given: str, who: str) -> pd.DataFrame:
     """The runs that arrive, of the planner that table 4.3 calls TDWA or IDWA."""
     rows = setting_rows(given) if who == "TDWA" else pd.concat([placed_rows(given, name) for name in FUSIONS])
     return rows[rows["success"] == 1]
@@ -55,14 +56,14 @@ def _arrived(given: str, who: str) -> pd.DataFrame:
 
 def case_of(given: str, who: str) -> tuple[str, str]:
     """Case and planner of the run whose length [m] is nearest to the printed one; ties by the order of the file."""
-    rows = _arrived(given, who)
+    rows = arrived(given, who)
     best = rows.loc[(rows["length"] - _printed(given, who)).abs().round(6).idxmin()]
     return str(best["case"]), str(best.get("method", "TDWA"))
 
 
 def nearest(given: str, who: str) -> float:
     """The length [m] nearest to the printed one."""
-    rows = _arrived(given, who)
+    rows = arrived(given, who)
     return float(rows["length"].loc[(rows["length"] - _printed(given, who)).abs().round(6).idxmin()])
 
 
@@ -103,23 +104,23 @@ def _beside(given: str, who: str) -> str:
 
 
 @cache
-def _pairs(given: tuple[str, ...], method: str) -> pd.DataFrame:
+def pairs(given: tuple[str, ...], method: str) -> pd.DataFrame:
     """The placements on which both this planner and traditional DWA arrive, a row each, columns by planner."""
-    both = []
+    found = []
     for name in given:
         rows = [placed_rows(name, planner).set_index("case") for planner in (method, "TDWA")]
         joined = rows[0].join(rows[1], lsuffix="_ours", rsuffix="_theirs")
-        both.append(joined[(joined["success_ours"] == 1) & (joined["success_theirs"] == 1)])
-    return pd.concat(both)
+        found.append(joined[(joined["success_ours"] == 1) & (joined["success_theirs"] == 1)])
+    return pd.concat(found)
 
 
-def less(given: tuple[str, ...], what: str, method: str = "fusion, no orbit") -> Interval:
+def less(given: tuple[str, ...], what: str, method: str = CURED) -> Interval:
     """How much less of a quantity the fusion needs than traditional DWA on the same placements, mean with interval.
 
     Bootstrap over the placements on which both arrive; nan where they are fewer than two.
     """
-    pairs = _pairs(given, method)
-    gap = (pairs[f"{what}_theirs"] - pairs[f"{what}_ours"]).to_numpy(float)
+    both = pairs(given, method)
+    gap = (both[f"{what}_theirs"] - both[f"{what}_ours"]).to_numpy(float)
     if len(gap) < 2:
         return float("nan"), float("nan"), float("nan")
     draws = gap[np.random.default_rng(0).integers(0, len(gap), (2000, len(gap)))].mean(axis=1)
@@ -136,9 +137,9 @@ def _gain(given: str) -> float:
 def _gains(given: str) -> tuple[int, int]:
     """On how many of the placements that both pass the reduction is the printed one, to its rounding."""
     printed = float(documents.claim(f"thesis:c-4.3-pct-{given[1]}").value)
-    pairs = _pairs((given,), "fusion, no orbit")
-    found = 100.0 * (1.0 - pairs["length_ours"] / pairs["length_theirs"])
-    return int(((found - printed).abs() <= 0.005).sum()), len(pairs)
+    both = pairs((given,), CURED)
+    found = 100.0 * (1.0 - both["length_ours"] / both["length_theirs"])
+    return int(((found - printed).abs() <= 0.005).sum()), len(both)
 
 
 _BOTH = ("M1", "M2")
@@ -152,22 +153,22 @@ def _calmer() -> bool:
 
 def _calm_words() -> str:
     """Both total variations of the pairs, in words."""
-    pairs = _pairs(_BOTH, "fusion, no orbit")
+    both = pairs(_BOTH, CURED)
     parts = []
     for what, name, unit in zip(_QUANTITIES, ("v", "omega"), ("m/s", "rad/s"), strict=True):
         mean, low, high = less(_BOTH, what)
-        middle = [float(pairs[f"{what}_{who}"].median()) for who in ("ours", "theirs")]
+        middle = [float(both[f"{what}_{who}"].median()) for who in ("ours", "theirs")]
         parts.append(
             f"{name}: {middle[0]:.2f} against {middle[1]:.2f} {unit}, less by {mean:.2f} [{low:.2f}, {high:.2f}]"
         )
-    return f"{len(pairs)} placements; " + "; ".join(parts)
+    return f"{len(both)} placements; " + "; ".join(parts)
 
 
 def _calm_pairs() -> tuple[int, int]:
     """On how many of those placements both are lower."""
-    pairs = _pairs(_BOTH, "fusion, no orbit")
-    lower = [pairs[f"{what}_ours"] < pairs[f"{what}_theirs"] for what in _QUANTITIES]
-    return int((lower[0] & lower[1]).sum()), len(pairs)
+    both = pairs(_BOTH, CURED)
+    lower = [both[f"{what}_ours"] < both[f"{what}_theirs"] for what in _QUANTITIES]
+    return int((lower[0] & lower[1]).sum()), len(both)
 
 
 def _grade(given: str, who: str, what: str) -> Measured:
@@ -175,9 +176,9 @@ def _grade(given: str, who: str, what: str) -> Measured:
 
     Smooth is the lower total variation of the turn, safe the larger least clearance, both in the mean of the pairs.
     """
-    pairs = _pairs((given,), "fusion, no orbit")
+    both = pairs((given,), CURED)
     column, sense = ("variation_omega", 1.0) if what == "smooth" else ("clearance", -1.0)
-    ahead = sense * float((pairs[f"{column}_theirs"] - pairs[f"{column}_ours"]).mean()) > 0.0
+    ahead = sense * float((both[f"{column}_theirs"] - both[f"{column}_ours"]).mean()) > 0.0
     return "High" if ahead == (who == "IDWA") else "Low"
 
 
