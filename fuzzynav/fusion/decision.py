@@ -38,9 +38,9 @@ class Evasion:
     the greatest nearness to a mover, exp(-gap / scale - time / fade). Raises ValueError for values out of range.
     """
 
-    hold: float = 0.6  # [s]
+    hold: float = 1.0  # [s]
     early: float = 0.3
-    dread: float = 2.0
+    dread: float = 3.0
     scale: float = 0.3  # [m]
     fade: float = 4.0  # [s]
 

@@ -28,7 +28,7 @@ class Planning:
 
     options: Options = OPTIMAL
     resolution: float = 0.1  # [m] of the map that remembers
-    rooms: tuple[float, ...] = (0.25, 0.1, -0.02)  # [m] beyond the robot's radius, the widest first
+    rooms: tuple[float, ...] = (0.25, 0.15, 0.1, 0.08, 0.06, 0.04, 0.02, 0.0, -0.02, -0.04)  # [m] beyond the radius
     enters: bool = True  # what the scanner finds is entered into the map
     wary: float = 0.1  # [m] more room beside what only the scanner knows, where movers are about
     every: float = 2.0  # [s]
@@ -43,7 +43,7 @@ class Planning:
 
     def __post_init__(self) -> None:
         positive(resolution=self.resolution, progress=self.progress, near=self.near)
-        for name in ("wary", "around", "beside", "slack", "explained"):
+        for name in ("wary", "around", "beside", "explained"):
             not_negative(**{name: getattr(self, name)})
         if not (self.every > 0 and self.check > 0 and self.patience > 0):
             raise ValueError(f"every, check and patience must be positive seconds or inf, got {self}")
@@ -105,7 +105,10 @@ class Guide:
             discs = np.column_stack([movers[close, :2], movers[close, 4] + self.planning.beside])
         self.map, self.searched, self.looked = self.memory.grid(discs, self.wary), now, now
         self.searches += 1
-        found = route(self.map, here, goal, self.radius, self.planning.rooms, self.planning.options)
+        rooms = self.planning.rooms
+        if now < self.until:  # stuck: no more gaps that may be too narrow, where there is another way
+            rooms = tuple(room for room in rooms if room >= 0.0) or rooms
+        found = route(self.map, here, goal, self.radius, rooms, self.planning.options)
         if found is not None:
             self.way, self.index, self.best = found, min(1, len(found.points) - 1), min(self.best, np.inf)
 

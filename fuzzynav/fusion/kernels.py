@@ -173,11 +173,13 @@ def _rate(
 @njit(cache=True)
 def _eligible(reasons: Reasons, contact: Array) -> NDArray[np.bool_]:
     """Admissible samples without a predicted contact; where there is none, those whose contact comes last."""
-    top = -np.inf
+    top, out = -np.inf, np.zeros(reasons.shape[0], dtype=np.bool_)
     for i in range(reasons.shape[0]):
         if reasons[i] == ADMISSIBLE:
             top = max(top, min(contact[i], 1e9))
-    return (reasons == ADMISSIBLE) & (contact >= top - LATE)
+    for i in range(reasons.shape[0]):
+        out[i] = reasons[i] == ADMISSIBLE and contact[i] >= top - LATE
+    return out
 
 
 @njit(cache=True)

@@ -16,7 +16,7 @@ from fuzzynav.smoothing import prune
 __all__ = ["Route", "clear_from", "route", "target_of"]
 
 REACHED = 0.15  # [m]
-WORTH, WORTH_A_TRY = 1.1, 2.0  # times shorter than the way with more room
+WORTH, WORTH_A_TRY = 1.1, 1.5  # times shorter than the way with more room
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -39,18 +39,26 @@ class Route:
 def route(
     grid: GridMap, start: Array, goal: Array, radius: float, rooms: tuple[float, ...], options: astar.Options
 ) -> Route | None:
-    """The shortest of the searches that keep `radius` and one of the rooms [m] from what stands; None: there is none.
+    """A way that keeps `radius` and one of the rooms [m], the widest first, from what stands; None: there is none.
 
-    A search with more room is preferred as long as its way is not more than a tenth longer. A room below 0 finds gaps
-    that are only narrow because cells are coarse; such a way is tried if every other is more than twice as long. Start
-    and goal may stand nearer to something: the nearest cell with room takes their place.
+    The widest room is taken whose way is at most a tenth longer than with the narrowest. Rooms below 0 find gaps that
+    are only narrow because cells are coarse; such a way is tried where every other is half as long again. Start and
+    goal may stand nearer to something: the nearest cell with room takes their place.
     """
-    best: Route | None = None
-    for room in rooms:
+    wide, seeming = [r for r in rooms if r >= 0.0], [r for r in rooms if r < 0.0]
+    best = _search(grid, start, goal, radius + wide[-1], options) if wide else None
+    for room in wide[:-1] if best is not None else ():
         found = _search(grid, start, goal, radius + room, options)
-        worth = WORTH if room >= 0.0 else WORTH_A_TRY
-        if found is not None and (best is None or best.length > worth * found.length):
+        if found is not None and best is not None and found.length <= WORTH * best.length:
             best = found
+            break
+    straight = float(np.hypot(*(np.asarray(goal) - start)))
+    if best is not None and best.length <= WORTH_A_TRY * straight:
+        return best
+    for room in seeming:
+        found = _search(grid, start, goal, radius + room, options)
+        if found is not None:
+            return found if best is None or best.length > WORTH_A_TRY * found.length else best
     return best
 
 
