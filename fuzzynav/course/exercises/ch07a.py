@@ -74,7 +74,8 @@ def _check_cap(answer: Function) -> str:
     k = int(np.argmax(np.abs(told - right)))
     raise Wrong(
         f"With {told[k]:.3f} m/s and {omega[k]:.2f} rad/s the circle has the radius {told[k] / omega[k]:.2f} m; "
-        f"the one through a target {d[k]:.2f} m away, {np.degrees(e[k]):.0f} degrees aside, has {right[k] / omega[k]:.2f} m."
+        f"the one through a target {d[k]:.2f} m away, {np.degrees(e[k]):.0f} degrees aside, has "
+        f"{right[k] / omega[k]:.2f} m."
     )
 
 

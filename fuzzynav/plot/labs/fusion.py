@@ -1,4 +1,4 @@
-"""Labs of planning and reacting: the orbit, a hall to fill, weights and layers of safety, what a speed bound forbids."""
+"""Labs of planning and reacting: the orbit, a hall to fill, weights and layers of safety, a speed bound."""
 
 from __future__ import annotations
 
