@@ -12,7 +12,7 @@ covered = 0.2 * 3.0
 promised = (True, False, True, False)
 
 # %% 07b.4
-walker = (3.3, 5.3, 4.8, 6.9, 0.4)
+walker = (3.6, 5.1, 2.9, 6.0, 0.4)
 
 # %% 07b.5
 def assigned(cost):

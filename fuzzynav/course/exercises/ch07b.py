@@ -238,7 +238,7 @@ EXERCISES: tuple[Exercise, ...] = (
         2,
         (
             "Let somebody walk away from the robot's way, and turn round when it comes.",
-            "In the first metres the robot turns aside: a walk across x = 2.3 m, at 0.3 m/s.",
+            "In the first metres the robot turns aside: let somebody walk across its way at x = 3 m.",
         ),
         _check_turner,
     ),

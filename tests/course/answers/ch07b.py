@@ -88,9 +88,9 @@ RIGHT = {
         "an array": np.array([True, False, True, False]),
     },
     "07b.4": {
-        "a tuple": (2.1, 3.1, 2.6, 5.1, 0.3),
-        "a list": [3.3, 5.3, 4.8, 6.9, 0.4],
-        "an array": np.array([2.1, 7.0, 4.6, 6.4, 0.5]),
+        "a tuple": (3.6, 5.1, 2.9, 6.0, 0.4),
+        "a list": [2.4, 2.8, 3.9, 5.9, 0.5],
+        "an array": np.array([3.6, 4.5, 3.5, 6.3, 0.4]),
     },
     "07b.5": {
         "all pairings": by_trying,
