@@ -45,6 +45,7 @@ __all__ = [
 
 AROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 RINGS = 4  # moments of a braking manoeuvre that are drawn
+FEW = 6  # hazards; more, as the hits of a scan, are drawn without rings
 Mask = NDArray[np.bool_]
 
 
@@ -97,7 +98,9 @@ class ReachMark:
         t, line = braking_arc(pose, sample, robot, dt)
         moments, places = braking_arc(pose, sample, robot, dt, np.linspace(0.0, t[-1], RINGS))
         self.ground.set_verts(circles(rows + [0.0, 0.0, bound * t[-1]]))
-        self.rings.set_segments([c for s in moments for c in circles(rows + [0.0, 0.0, bound * s])])
+        self.ground.set_facecolor(to_rgba(COLORS["mover"], 0.22 if len(rows) <= FEW else 0.05))
+        ringed = rows if len(rows) <= FEW else rows[:0]
+        self.rings.set_segments([c for s in moments for c in circles(ringed + [0.0, 0.0, bound * s])])
         self.bodies.set_segments(circles(np.column_stack([places[:, :2], np.full(len(places), robot.radius)])))
         self.arc.set_data(*line[:, :2].T)
 
