@@ -104,7 +104,9 @@ class Decision:
     """One decision with all its evidence; row k of every array belongs to sample k, the last is the emergency one.
 
     `raw` holds the four terms of eq 4.15, `scores` their shares; both count among the samples that are `eligible`:
-    admissible, and without a predicted contact where there is such a one, otherwise with the latest.
+    admissible, and without a predicted contact where there is such a one, otherwise with the latest. Of a robot that
+    evades `totals` are promises, of every sample that what stands admits, there are no shares, and the time of the
+    predicted contact is that of the best go on.
     """
 
     command: Array  # (2,)
@@ -137,7 +139,8 @@ def decide(
     A speed is admissible if the robot, driving it for a step and then braking on the same arc, touches nothing that
     stands, leaves no ground that was seen, and stays clear of every place that a hazard can have reached by then. A
     robot that stands, or turns in place, satisfies that always. Among the admissible ones those count whose arc is free
-    of predicted contact. With none admissible the robot brakes on its arc: that was admissible a step before.
+    of predicted contact. With none admissible the robot brakes on its arc: that was admissible a step before. A robot
+    that evades (`params.evasion`) does not ask what hazards can reach: it takes the speed that promises most.
     """
     here, aim = np.asarray(observation.pose, dtype=float), np.asarray(target, dtype=float)
     cap = max(arc_cap(here, aim, robot.max_vel_theta), SLOWEST * robot.max_vel_x) if params.cap else robot.max_vel_x

@@ -21,7 +21,7 @@ __all__ = ["EVASION", "promises"]
 
 STEP = 0.1  # [s] between two looks at the movers, at most
 SPACING = 0.2  # [m] between the points of what stands that are looked at
-FAR = 6.0  # a nearness of exp(-6) is none
+FAR = 6.0  # [scales] gaps beyond it count alike: exp(-6) is next to nothing
 
 EVASION = np.dtype(
     (

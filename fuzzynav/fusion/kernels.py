@@ -94,7 +94,7 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
     """Least gap [m] to movers that keep their velocity while v is held, and when [s] the first contact is; inf: none.
 
     Between two times `step` apart the motion relative to a mover is taken as straight. The uncertainty of a
-    prediction grows by `growth` [m/s].
+    prediction grows by `growth` [m/s], but not faster than the mover walks.
     """
     least, first = np.inf, np.inf
     if tracks.shape[0] == 0:
@@ -110,7 +110,8 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
             squared = dx * dx + dy * dy
             u = min(max(-(ax * dx + ay * dy) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
             at = begin + u * (end - begin)
-            gap = np.hypot(ax + u * dx, ay + u * dy) - tracks[i, 4] - growth * at
+            doubt = min(growth, np.hypot(tracks[i, 2], tracks[i, 3])) * at
+            gap = np.hypot(ax + u * dx, ay + u * dy) - tracks[i, 4] - doubt
             least = min(least, gap)
             if gap <= 0.0:
                 first = min(first, at)

@@ -47,7 +47,7 @@ __all__ = ["METHODS", "PathFollower", "fitted_params", "ours", "path_of", "print
 SPEEDS, TURNS = 15, 31  # samples of a window: at most these, and zero
 BEST_FIXED = (0.2, 0.7, 0.1)  # of all fixed weights the best on the training maps of chapter 06
 OURS, PLANNING = DecisionParams(), Planning()
-STRAIGHT = Planning(patience=np.inf)  # ways round movers do not lead away from those that do not yield
+STRAIGHT = Planning(patience=np.inf, wary=0.1)  # evading: no ways round movers, and room beside unproved ones
 LEAST_NOISE = 0.003  # [m] of a range: also a scanner without noise sees a disc as a polygon
 RECOVERY = Stuck(tries=5)  # a baseline may turn away five times before it gives up
 

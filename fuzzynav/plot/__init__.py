@@ -21,4 +21,5 @@ from fuzzynav.plot.navigation import *
 from fuzzynav.plot.planning import *
 from fuzzynav.plot.runs import *
 from fuzzynav.plot.sensors import *
+from fuzzynav.plot.studies import *
 from fuzzynav.plot.tracking import *

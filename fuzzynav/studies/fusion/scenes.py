@@ -29,8 +29,12 @@ __all__ = [
 ]  # fmt: skip
 
 FIRST = 20_000  # no scene from this one on was looked at before the planners were fixed
-SEEDS, RIVAL_SEEDS = 1000, 250  # scenes of our planner; the first of them for all others, which end within 3 points
-FEW = 100  # of the ingredients and of the brakes
+SEEDS, RIVAL_SEEDS, SOME = (
+    1000,
+    100,
+    300,
+)  # scenes of ours; the first of them for all others, and for ours in other ways
+FEW = 60  # of the ingredients and of the brakes
 WAIT = 60.0  # [s] at rest until a run is late
 BRAKES = (0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.5)  # [m/s^2]
 NEVER = float("inf")
@@ -118,13 +122,13 @@ def rival_cases() -> tuple[str, ...]:
 
 def comparison_cases() -> tuple[str, ...]:
     """Ours on every scene: movers told or tracked, that yield or do not; and the same without guard and prediction."""
-    ways = ("yield", "yield scans", "blind")
-    whole = [(robot, movers, "ours", SEEDS) for movers in ways for robot in ROBOTS]
-    parts = [(robot, "yield", REPLANNING, RIVAL_SEEDS) for robot in ROBOTS]
+    rows = [(robot, "yield", "ours", SEEDS) for robot in reversed(ROBOTS)] + [
+        ("turtlebot2", "yield scans", "ours", SEEDS)
+    ]
+    rows += [("thesis", "yield scans", "ours", SOME)] + [(robot, "blind", "ours", SOME) for robot in ROBOTS]
+    rows += [(robot, "yield", REPLANNING, RIVAL_SEEDS) for robot in ROBOTS]
     return tuple(
-        f"{robot}/{movers}/{name}/{seed}"
-        for robot, movers, name, count in whole + parts
-        for seed in range(FIRST, FIRST + count)
+        f"{robot}/{movers}/{name}/{seed}" for robot, movers, name, count in rows for seed in range(FIRST, FIRST + count)
     )
 
 
