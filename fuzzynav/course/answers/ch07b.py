@@ -25,8 +25,8 @@ def _hall() -> str:
         early += bool(moments[0].entered.any())
     return f"""By the map alone both sides are equally long. The robot passes above with the block at y =
     {", ".join(f"{y:.1f}" for y in above)} m, below at {", ".join(f"{y:.1f}" for y in below)} m: the block decides,
-    and it does so at the start, because in {early} of 8 places the first scan shows it. A block that only leaves a
-    passage of 1.5 m beside it is no reason to go round the other way. Give the walkers speed, and look when the way
+    and it does so at the start, because in {early} of 8 places the first scan shows it.
+    Give the walkers speed, and look when the way
     changes: after 3 s without progress they count as obstacles too."""
 
 
