@@ -21,6 +21,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.dwa.contact",
     "fuzzynav.dwa.fast",
     "fuzzynav.dwa.kernels",
+    "fuzzynav.dwa.moving",
     "fuzzynav.dwa.sight",
     "fuzzynav.fusion.clusters",
     "fuzzynav.fusion.evasion",

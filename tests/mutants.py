@@ -169,7 +169,7 @@ GRID, RAYS, FILES = "tests/maps/test_gridmap.py", "tests/maps/test_rays.py", "te
 WORLD, MOVERS = "tests/world/test_world.py", "tests/world/test_movers.py"
 ASTAR, SIGHT = "tests/planning/test_astar.py", "tests/planning/test_visibility.py"
 SMOOTH, SIMULATE = "tests/smoothing/test_smoothing.py", "tests/simulate/test_simulate.py"
-UNSEEN = "tests/dwa/test_sight.py"
+UNSEEN, MOVING = "tests/dwa/test_sight.py", "tests/dwa/test_moving.py"
 TRACK, BLEND, DWA = "tests/tracking/test_tracking.py", "tests/blend/test_blend.py", "tests/dwa/test_dwa.py"
 INFER, MEMBER = "tests/fuzzy/test_inference.py", "tests/fuzzy/test_membership.py"
 SYSTEM, SHAPES = "tests/fuzzy/test_system.py", "tests/fuzzy/test_shapes.py"
@@ -252,8 +252,8 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{MOVERS} -k 'waits_only'", "a courteous mover waits for a robot that it leaves behind"),
     Mutant("fuzzynav/world/kernels.py", "new[k], walked[k], speed, step = positions[k], travelled[k], 0.0, 0.0", "new[k], speed, step = positions[k], 0.0, 0.0",
            f"{MOVERS} -k 'goes_on'", "the clock of a mover that waits runs on"),
-    Mutant("fuzzynav/world/timed.py", "late = frames[k, 0] if k < count - 1 else 0.0", "late = frames[k, 0]",
-           f"{MOVERS} -k 'jump_onto or never_touches'", "what a mover passes after its jump is not looked at"),
+    Mutant("fuzzynav/world/timed.py", "best = min(best, nearest_on_line(px, py, px + vx * step, py + vy * step, x, y))", "best = min(best, best)",
+           f"{MOVERS} -k 'passes_through'", "what a timed mover passes within a step is not looked at"),
     # --- sensors
     Mutant("fuzzynav/sensors/laser.py", "np.where(ranges >= laser.range_max, np.inf, ranges)", "np.where(ranges > laser.range_max, np.inf, ranges)",
            f"{SENSORS} -k 'laser'", "a beam that met nothing reports range_max"),
@@ -396,6 +396,14 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{DWA} -k wider_of_two", "the end of a beam takes the gap to its left alone"),
     Mutant("fuzzynav/dwa/sight.py", "for beam, beside in ((i, i - 1), (j, j)):", "for beam, beside in ((i, i - 1),):",
            f"{UNSEEN} -k both_edges", "a hole in sight has a border on one side only"),
+    Mutant("fuzzynav/dwa/moving.py", "return hold + late - 0.5 * loss * late * late / abs(v)", "return hold + late - loss * late * late / abs(v)",
+           f"{MOVING} -k 'braking_may'", "a robot that brakes comes less far than it does"),
+    Mutant("fuzzynav/dwa/moving.py", "bend = row[2], row[3], 0.0, abs(v * omega) + loss", "bend = row[2], row[3], 0.0, loss",
+           f"{MOVING} -k 'dense_sampling'", "the bend of an arc is left out of what is surely free"),
+    Mutant("fuzzynav/dwa/moving.py", "c * ux + s * uy, c * uy - s * ux, radius", "ux, uy, radius",
+           f"{MOVING} -k 'straight_line'", "velocities of points stay in the world frame"),
+    Mutant("fuzzynav/dwa/kernels.py", "or way.struck:", "or False:",
+           f"{MOVING} -k 'head_on or can_brake'", "what meets a robot while it brakes refuses nothing"),
     Mutant("fuzzynav/dwa/contact.py", "if abs(omega) * travelled > 2.0 * np.pi * abs(v):", "if abs(omega) * travelled > np.pi * abs(v):",
            f"{DWA} -k all_the_way_round", "a march through a field ends after half a circle"),
     Mutant("fuzzynav/dwa/contact.py", "out[k, 3] = squared - own * own", "out[k, 3] = squared - own",
