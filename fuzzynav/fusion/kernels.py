@@ -261,8 +261,9 @@ def _around(samples: Array, pose: Array, sensed: Any, lim: Any, own: Any) -> tup
     stand = np.concatenate((points, hazards[:, :2]))
     still, _ = near_points(pose, stand, np.concatenate((kept, wary)), lim.radius, far)
     covers, _ = _kept(pose, border, radii, lim.radius)
-    gaps, _ = near_points(pose, border[:holes], covers[:holes], lim.radius, far)
-    ends, _ = near_points(pose, border[holes:], covers[holes:], lim.radius, far)
+    edge = need + SLACK + 0.01  # where the seen ends matters only as far as the robot may have to go
+    gaps, _ = near_points(pose, border[:holes], covers[:holes], lim.radius, edge)
+    ends, _ = near_points(pose, border[holes:], covers[holes:], lim.radius, edge)
     threats, reach = _turned(pose, hazards, lim.radius), need + own.speed_bound * time + own.reserve + 0.01
     near = np.hypot(threats[:, 0], threats[:, 1]) - threats[:, 2] <= reach
     return Ground(still, ends, gaps, threats[near], _turned(pose, tracks, lim.radius)), nearest

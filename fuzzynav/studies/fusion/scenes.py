@@ -30,7 +30,7 @@ __all__ = [
 
 FIRST = 20_000  # no scene from this one on was looked at before the planners were fixed
 SEEDS, SOME, RIVAL_SEEDS = 1000, 300, 100  # scenes of ours with the TurtleBot2, in other ways, and of all others
-FEW = 60  # of the ingredients and of the brakes
+FEW = 40  # of the ingredients and of the brakes
 WAIT = 60.0  # [s] at rest until a run is late
 BRAKES = (0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.5)  # [m/s^2]
 NEVER = float("inf")
