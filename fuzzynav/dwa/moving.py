@@ -37,7 +37,10 @@ class Moving(NamedTuple):
 def near_moving(
     pose: Array, points: Array, drift: Array, radius: float, way: float, horizon: float
 ) -> tuple[Array, Moving, float]:
-    """Points that stand; those that a disc may meet within `horizon` [s] and `way` [m]; how near [m] these are."""
+    """Points that stand; those that a disc may meet within `horizon` [s] and `way` [m]; how near [m] these are.
+
+    The disc is the robot, or holds its footprint.
+    """
     c, s = np.cos(pose[2]), np.sin(pose[2])
     still, rows = np.empty_like(points), np.empty((points.shape[0], 5))
     n = k = 0

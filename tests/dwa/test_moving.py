@@ -24,7 +24,8 @@ SEEDS = st.integers(0, 2**32)
 def meet(v, omega, points, drift, *, corners=DISC, hold=np.inf, loss=0.0, until=FAR, more=0.0, pose=(0, 0, 0)):
     """Time of the first contact of a disc of 0.3 m, or of a footprint."""
     rows = np.array(points, float).reshape(-1, 2), np.array(drift, float).reshape(-1, 2)
-    _, moving, _ = near_moving(np.array(pose, float), *rows, 0.3, np.inf, np.inf)
+    holds = np.hypot(*np.vstack([[[0.3, 0.0]], corners]).T).max()  # the disc that holds the robot
+    _, moving, _ = near_moving(np.array(pose, float), *rows, holds, np.inf, np.inf)
     return moving_contact(float(v), float(omega), moving, corners, hold, loss, until, more)
 
 
