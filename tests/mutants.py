@@ -169,10 +169,13 @@ GRID, RAYS, FILES = "tests/maps/test_gridmap.py", "tests/maps/test_rays.py", "te
 WORLD, MOVERS = "tests/world/test_world.py", "tests/world/test_movers.py"
 ASTAR, SIGHT = "tests/planning/test_astar.py", "tests/planning/test_visibility.py"
 SMOOTH, SIMULATE = "tests/smoothing/test_smoothing.py", "tests/simulate/test_simulate.py"
-UNSEEN = "tests/dwa/test_sight.py"
+UNSEEN, MOVING = "tests/dwa/test_sight.py", "tests/dwa/test_moving.py"
 TRACK, BLEND, DWA = "tests/tracking/test_tracking.py", "tests/blend/test_blend.py", "tests/dwa/test_dwa.py"
 INFER, MEMBER = "tests/fuzzy/test_inference.py", "tests/fuzzy/test_membership.py"
 SYSTEM, SHAPES = "tests/fuzzy/test_system.py", "tests/fuzzy/test_shapes.py"
+SEPARATION, DECISION = "tests/fusion/test_separation.py", "tests/fusion/test_decision.py"
+NAVIGATOR, SCENES = "tests/fusion/test_navigator.py", "tests/fusion/test_scenes.py"
+MEMORY = "tests/fusion/test_memory_and_route.py"
 BATCH, PUBLISHED, STUDIES = "tests/test_batch.py", "tests/test_published.py", "tests/studies/test_studies.py"
 COURSE, ANSWERS = "tests/course/test_course.py", "tests/course/test_answers.py"
 
@@ -252,8 +255,8 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{MOVERS} -k 'waits_only'", "a courteous mover waits for a robot that it leaves behind"),
     Mutant("fuzzynav/world/kernels.py", "new[k], walked[k], speed, step = positions[k], travelled[k], 0.0, 0.0", "new[k], speed, step = positions[k], 0.0, 0.0",
            f"{MOVERS} -k 'goes_on'", "the clock of a mover that waits runs on"),
-    Mutant("fuzzynav/world/timed.py", "late = frames[k, 0] if k < count - 1 else 0.0", "late = frames[k, 0]",
-           f"{MOVERS} -k 'jump_onto or never_touches'", "what a mover passes after its jump is not looked at"),
+    Mutant("fuzzynav/world/timed.py", "best = min(best, nearest_on_line(px, py, px + vx * step, py + vy * step, x, y))", "best = min(best, best)",
+           f"{MOVERS} -k 'passes_through'", "what a timed mover passes within a step is not looked at"),
     # --- sensors
     Mutant("fuzzynav/sensors/laser.py", "np.where(ranges >= laser.range_max, np.inf, ranges)", "np.where(ranges > laser.range_max, np.inf, ranges)",
            f"{SENSORS} -k 'laser'", "a beam that met nothing reports range_max"),
@@ -396,6 +399,39 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{DWA} -k wider_of_two", "the end of a beam takes the gap to its left alone"),
     Mutant("fuzzynav/dwa/sight.py", "for beam, beside in ((i, i - 1), (j, j)):", "for beam, beside in ((i, i - 1),):",
            f"{UNSEEN} -k both_edges", "a hole in sight has a border on one side only"),
+    # --- fusion
+    Mutant("fuzzynav/fusion/kernels.py", "gap -= bound * t + reserve", "gap -= reserve",
+           f"{SEPARATION} -k dense_sampling", "movers stand while the robot brakes"),
+    Mutant("fuzzynav/fusion/kernels.py", "last = np.ceil(abs(v) / drop - 1e-12) * dt", "last = dt",
+           f"{SEPARATION} -k dense_sampling", "only the first step is looked at"),
+    Mutant("fuzzynav/fusion/kernels.py", "t = min(t + gap / (speed + bound), last)", "t = min(t + 2.0 * gap / (speed + bound), last)",
+           f"{SEPARATION} -k dense_sampling", "time advances by twice what the gap allows"),
+    Mutant("fuzzynav/fusion/kernels.py", "own.reserve if abs(v) > own.creep else 0.0", "0.0",
+           f"{DECISION} -k switched_off", "nothing is kept on top of the guarantee"),
+    Mutant("fuzzynav/fusion/kernels.py", "c * rows[i, 2] + s * rows[i, 3], c * rows[i, 3] - s * rows[i, 2]", "rows[i, 2], rows[i, 3]",
+           f"{NAVIGATOR} -k crosses", "movers walk in the world's frame where the robot's is asked for"),
+    Mutant("fuzzynav/fusion/separation.py", "speed**2 / (2.0 * loss) + bound * speed / loss + during", "speed**2 / (2.0 * loss) + during",
+           f"{SEPARATION} -k 'known or by_hand'", "the mover stands while the robot brakes"),
+    Mutant("fuzzynav/fusion/separation.py", "(gain / loss + 1.0) * (0.5", "(gain / loss) * (0.5",
+           f"{SEPARATION} -k 'known or by_hand'", "the period's own way is forgotten"),
+    Mutant("fuzzynav/fusion/memory.py", "evidence[j, i] -= 1", "evidence[j, i] -= 0",
+           f"{MEMORY} -k looked_through", "what was seen is never forgotten"),
+    Mutant("fuzzynav/fusion/memory.py", "for _ in range(cells):", "for _ in range(0):",
+           f"{MEMORY} -k growing", "what only the scanner knows gets no more room"),
+    Mutant("fuzzynav/fusion/route.py", "found.length <= WORTH * best.length", "True",
+           f"{MEMORY} -k 'keeps_its_room or narrow'", "the widest room is taken, whatever the detour"),
+    Mutant("fuzzynav/fusion/scenes.py", "full[row, col] = True", "full[row, col] = blocks[row, col] = True",
+           f"{SCENES} -k promises", "the map shows the squares that it should lack"),
+    Mutant("fuzzynav/fusion/sensed.py", "points[~known], np.zeros(int((~known).sum()))", "points[known], np.zeros(int(known.sum()))",
+           f"{DECISION} -k explain", "only what the map knows may move"),
+    Mutant("fuzzynav/dwa/moving.py", "return hold + late - 0.5 * loss * late * late / abs(v)", "return hold + late - loss * late * late / abs(v)",
+           f"{MOVING} -k 'braking_may'", "a robot that brakes comes less far than it does"),
+    Mutant("fuzzynav/dwa/moving.py", "bend = row[2], row[3], 0.0, abs(v * omega) + loss", "bend = row[2], row[3], 0.0, loss",
+           f"{MOVING} -k 'dense_sampling'", "the bend of an arc is left out of what is surely free"),
+    Mutant("fuzzynav/dwa/moving.py", "c * ux + s * uy, c * uy - s * ux, radius", "ux, uy, radius",
+           f"{MOVING} -k 'straight_line'", "velocities of points stay in the world frame"),
+    Mutant("fuzzynav/dwa/kernels.py", "or way.struck:", "or False:",
+           f"{MOVING} -k 'head_on or can_brake'", "what meets a robot while it brakes refuses nothing"),
     Mutant("fuzzynav/dwa/contact.py", "if abs(omega) * travelled > 2.0 * np.pi * abs(v):", "if abs(omega) * travelled > np.pi * abs(v):",
            f"{DWA} -k all_the_way_round", "a march through a field ends after half a circle"),
     Mutant("fuzzynav/dwa/contact.py", "out[k, 3] = squared - own * own", "out[k, 3] = squared - own",

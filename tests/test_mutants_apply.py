@@ -11,7 +11,7 @@ from tests.mutants import MUTANTS, Mutant, changed, imports
 
 ROOMS = {
     "robot", "maps", "fuzzy", "world", "sensors", "localization", "mapping", "planning", "smoothing", "simulate",
-    "tracking", "dwa", "blend", "batch", "studies", "published", "course",
+    "tracking", "dwa", "blend", "fusion", "batch", "studies", "published", "course",
 }  # fmt: skip
 
 

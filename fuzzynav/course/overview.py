@@ -47,7 +47,13 @@ CHAPTERS: tuple[Chapter, ...] = (
         "1.6, 3.1 to 3.3, 4.2",
     ),
     Chapter("06", "Dynamic window", "Which speed is safe now, and who sets the weights?", 90, "3.4 to 3.6"),
-    Chapter("07", "Plan and react", "How do a planner and a reactive controller share one robot?", 90, "4.3 to 4.5"),
+    Chapter(
+        "07",
+        "Plan and react",
+        "How do a planner and a reactive controller share one robot, and stay safe among movers?",
+        150,
+        "1.6.5, 4.3 to 4.5",
+    ),
     Chapter(
         "08",
         "Fuzzy feedback linearization",

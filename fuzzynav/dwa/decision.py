@@ -94,7 +94,7 @@ class Plan:
     totals: Array  # (n,) nan where refused
     admissible: NDArray[np.bool_]  # (n,)
     reasons: NDArray[np.int64]  # (n,) index into REASONS
-    free: Array  # (n,) [m] along the arc to first contact with what was sensed; inf if none within reach
+    free: Array  # (n,) [m] along the arc to first contact with what was sensed; inf if none within reach or in time
     known: Array  # (n,) [m] along the arc inside what the beams have crossed; never more than free
     stopping: Array  # (n,) [m]
     weights: Array  # (3,)
@@ -128,7 +128,9 @@ def plan(
 ) -> Plan:
     """The best admissible speeds for the next step; with none admissible the robot brakes on the arc it is on.
 
-    Obstacles are the observation's points, a distance field, or both. What a scan has not shown is not free, unless a
+    Obstacles are the observation's points, a distance field, or both. Points that have a velocity keep it: the way to
+    them is that until the robot and the point meet, and a sample is refused if something that moves would meet the
+    robot while it brakes. What a scan has not shown is not free, unless a
     field says so, or `params.blind` is False; an observation without a scan says that its points are all there is.
     Where a sensor fails (pose, points or range not finite), every sample is refused and REASONS names the fault.
     `weights` overrides those of the parameters. Raises ValueError for shapes that do not fit, for a speed of more than
@@ -213,17 +215,26 @@ def _charted(observation: Observation, field: Field | None) -> bool:
     return ranges is None or not len(ranges) or not bool(np.isnan(ranges).all())
 
 
+def _drift(velocities: ArrayLike, count: int) -> Array:
+    """Velocities of the points `(count, 2)` [m/s], or a ValueError."""
+    found = np.ascontiguousarray(velocities, dtype=float)
+    if (found.shape != (count, 2) and (found.size or count)) or not np.isfinite(found).all():
+        raise ValueError(f"point_velocities must be {count} finite rows, one for each point, got {found.tolist()}")
+    return found.reshape(-1, 2)
+
+
 def rated(observation: Observation, ready: Prepared, samples: Array, weights: Array, field: Field | None) -> Plan:
     """Rate samples, of which the last is the emergency candidate, and choose."""
     seen = (NO_POINTS, NO_RADII, 0)
     if ready.params.blind and not _charted(observation, field):
         seen = _border(observation, ready)
     points = np.ascontiguousarray(observation.points, dtype=float).reshape(-1, 2)
+    drift = NO_POINTS if observation.point_velocities is None else _drift(observation.point_velocities, len(points))
     raw, ways, reasons, shares, totals, best, nearest = kernels.decide(
         samples,
         np.asarray(observation.pose, dtype=float),
         np.asarray(observation.goal, dtype=float),
-        (points, *seen),
+        (points, drift, *seen),
         NO_CHART if field is None else field.chart,
         (ready.limits, ready.corners),
         ready.settings,

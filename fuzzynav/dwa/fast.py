@@ -38,7 +38,7 @@ __all__ = ["RULES", "drive", "shipped", "tables_of"]
 RULES = folder("fuzzy")
 STATUSES = ("timeout", "collided", "reached", "blind", "stalled")
 TIMEOUT, COLLIDED, REACHED, BLIND, STALLED = range(5)
-NO_SCAN = (NO_POINTS, NO_POINTS, NO_RADII, 0)  # no points, no border of what was seen
+NO_SCAN = (NO_POINTS, NO_POINTS, NO_POINTS, NO_RADII, 0)  # no points, no border of what was seen
 
 BEAMS = np.dtype((np.record, [("range_min", "f8"), ("range_max", "f8"), ("scanned", "?")]))
 ENDS = np.dtype(
@@ -156,7 +156,7 @@ def _ends(loop: Loop, dt: float, t_max: float) -> Array:
 
 @njit(cache=True)
 def _sense(scene: Scene, pose: Array, beams: Any, size: float, settings: Any, charted: bool) -> tuple[Any, float]:
-    """What the laser shows (points, border of what was seen, its radii, how many bound gaps), and the nearest point.
+    """What the laser shows, as `decide` takes it, and the nearest point.
 
     The border is left out where a map says what the beams do not show.
     """
@@ -177,9 +177,9 @@ def _sense(scene: Scene, pose: Array, beams: Any, size: float, settings: Any, ch
             nearest = min(nearest, np.hypot(points[count, 0] - pose[0], points[count, 1] - pose[1]))
             count += 1
     if charted or not settings.blind:
-        return (points[:count], NO_POINTS, NO_RADII, 0), nearest
+        return (points[:count], NO_POINTS, NO_POINTS, NO_RADII, 0), nearest
     rim, radii, holes = border(ranges, angles, pose, laser.range_max, size, NO_POINTS, settings.thinnest)
-    return (points[:count], rim, radii, holes), nearest
+    return (points[:count], NO_POINTS, rim, radii, holes), nearest
 
 
 @njit(cache=True)

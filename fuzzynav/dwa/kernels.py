@@ -21,6 +21,7 @@ from fuzzynav.dwa.contact import (
     near_points,
     polygon_contact,
 )
+from fuzzynav.dwa.moving import moving_contact, moving_end, near_moving
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
@@ -75,7 +76,8 @@ class Ground(NamedTuple):
     """What is in the way of a robot at `pose`; rows of points as `near_points` gives them, in the body frame."""
 
     pose: Array
-    near: Array  # what was sensed
+    near: Array  # what was sensed, and stands
+    moving: Array  # what was sensed and moves: rows as `near_moving` gives them
     ends: Array  # border of what was seen: ends of beams and lines of sight past edges
     gaps: Array  # border of what was seen: gaps between beams
     chart: Chart
@@ -90,6 +92,7 @@ class Way(NamedTuple):
     unseen: float  # to ground that no beam came near
     end: float  # [m] clearance at the end of the arc, where it is asked for
     need: float  # [m] to a stop
+    struck: bool  # something that moves meets the robot while it brakes
 
 
 @njit(cache=True)
@@ -184,7 +187,7 @@ def _reason(v: float, omega: float, way: Way, lim: Any, settings: Any, polygon: 
             return NO_TURN_STOP
         return UNSEEN if need > way.unseen else ADMISSIBLE
     need = way.need + abs(v) * settings.reaction + settings.margin
-    if need > min(way.free, way.seen):
+    if need > min(way.free, way.seen) or way.struck:
         return NO_STOP
     return UNSEEN if need > way.unseen else ADMISSIBLE
 
@@ -238,6 +241,24 @@ def _contact(v: float, omega: float, near: Array, corners: Array) -> float:
 
 
 @njit(cache=True)
+def _meet(v: float, omega: float, moving: Array, corners: Array, lim: Any, settings: Any) -> tuple[float, bool]:
+    """When [s] the robot first meets something that moves if it holds its speed, and whether it does while it brakes.
+
+    What counts is the horizon, or the time to a stop where that is longer. A speed that falls once every dt stays
+    within loss dt^2/4 of one that falls evenly from dt/2 on.
+    """
+    loss = braking(v, omega, lim) if abs(v) > STILL else 0.0
+    hold = 0.5 * settings.dt + settings.reaction
+    stop = hold + abs(v) / loss if loss > 0.0 else 0.0
+    until = max(settings.sim_time, stop)
+    time = moving_contact(v, omega, moving, corners, np.inf, 0.0, until, 0.0)
+    if loss == 0.0:
+        return time, False
+    more = settings.margin + 0.25 * loss * settings.dt * settings.dt
+    return time, moving_contact(v, omega, moving, corners, hold, loss, stop, more) < np.inf
+
+
+@njit(cache=True)
 def _rate(
     samples: Array, goal: Array, ground: Ground, corners: Array, lim: Any, settings: Any
 ) -> tuple[Array, Array, Reasons]:
@@ -247,7 +268,7 @@ def _rate(
     """
     n = samples.shape[0]
     raw, ways, reasons = np.empty((n, 3)), np.empty((n, 4)), np.empty(n, dtype=np.int64)
-    pose, near, ends, gaps, chart, nearest = ground
+    pose, near, moving, ends, gaps, chart, nearest = ground
     c, s = np.cos(pose[2]), np.sin(pose[2])
     gx, gy = c * (goal[0] - pose[0]) + s * (goal[1] - pose[1]), c * (goal[1] - pose[1]) - s * (goal[0] - pose[0])
     for i in range(n):
@@ -265,10 +286,17 @@ def _rate(
         end = np.inf
         if settings.at_end or settings.as_printed:
             end = end_clearance(v, omega, near, pose, chart, lim.radius, settings.sim_time)
+            end = min(end, moving_end(v, omega, moving, settings.sim_time))
+        time, struck, stands = np.inf, False, free
+        if moving.shape[0]:
+            time, struck = _meet(v, omega, moving, corners, lim, settings)
+            free = min(free, abs(v) * time) if abs(v) > STILL else free
         ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3] = free, min(free, seen, unseen), end, need
-        reasons[i] = _reason(v, omega, Way(free, seen, unseen, end, need), lim, settings, corners.shape[0] > 0)
+        way = Way(stands, seen, unseen, end, need, struck)
+        reasons[i] = _reason(v, omega, way, lim, settings, corners.shape[0] > 0)
         raw[i, 0] = _heading(v, omega, gx, gy, settings.sim_time)
         clear = max(nearest, 0.0) if abs(v) <= STILL else free
+        clear = 0.0 if abs(v) <= STILL and time < np.inf else clear
         raw[i, 1] = min(end if settings.at_end else clear, settings.d_max)
         raw[i, 2] = max(v, 0.0)
     return raw, ways, reasons
@@ -276,11 +304,11 @@ def _rate(
 
 @njit(cache=True)
 def _around(samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Array, lim: Any, settings: Any) -> Ground:
-    """What lies within reach of the samples; sensed: points, border of what was seen, its radii, number of gaps' ones.
+    """What lies within reach: what the fastest sample could meet before it stands, or what could be scored.
 
-    Within reach is what the fastest sample could meet before it stands, or what could be scored.
+    sensed: points, their velocities (none: they stand), border of what was seen, its radii, number of gaps' ones.
     """
-    points, border, radii, holes = sensed
+    points, drift, border, radii, holes = sensed
     fastest = 0.0
     for i in range(samples.shape[0]):
         fastest = max(fastest, abs(samples[i, 0]))
@@ -291,12 +319,22 @@ def _around(samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Arr
     far = max(settings.d_max, stopping(fastest, slowest, settings.dt) + fastest * settings.reaction + settings.margin)
     if settings.at_end or settings.as_printed:
         far = np.inf
+    moving, beside = np.empty((0, 5)), np.inf
+    if drift.shape[0]:
+        horizon = settings.sim_time if far < np.inf else np.inf
+        for i in range(samples.shape[0]):
+            v, omega = samples[i, 0], samples[i, 1]
+            stop = abs(v) / braking(v, omega, lim) if abs(v) > STILL else 0.0
+            horizon = max(horizon, settings.dt + settings.reaction + stop)
+        way = fastest * horizon + settings.margin + lim.loss * settings.dt * settings.dt
+        points, moving, beside = near_moving(pose, points, drift, size, way, horizon)
     near, nearest = near_points(pose, points, np.zeros(points.shape[0]), size, far)
+    nearest = min(nearest, beside)
     gaps, _ = near_points(pose, border[:holes], radii[:holes], size, far)
     ends, _ = near_points(pose, border[holes:], radii[holes:], size, far)
     if chart.values.size:
         nearest = min(nearest, field_at(pose[0], pose[1], chart) - lim.radius)
-    return Ground(pose, near, ends, gaps, chart, nearest)
+    return Ground(pose, near, moving, ends, gaps, chart, nearest)
 
 
 @njit(cache=True)
@@ -326,5 +364,5 @@ def _warm() -> None:
     samples = window(0.5, 0.1, limits[0], settings[0])
     stopping(0.5, braking(0.5, 0.1, limits[0]), 0.1)
     charted, weights = (np.empty((0, 0)), np.array([1.0, 0.0, 0.0])), np.ones(3)
-    sensed = (points, points, np.zeros(1), 0)
+    sensed = (points, none, points, np.zeros(1), 0)
     decide(samples, np.zeros(3), np.ones(2), sensed, charted, (limits, none), settings, weights)

@@ -70,6 +70,7 @@ class Navigator:
             chart=self.chart,
             tracks=self.tracks,
             tell=self.planning.explained,
+            trusts=self.params.evasion is not None,
         )
         target = self.guide.update(observation, self.around)
         made = decide(observation, target, self.around, self.robot, self.params, self.speed_bound)

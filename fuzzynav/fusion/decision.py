@@ -8,16 +8,17 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzynav.checks import not_negative, positive
+from fuzzynav.checks import not_negative, positive, share
 from fuzzynav.control import Observation
 from fuzzynav.fusion import kernels
+from fuzzynav.fusion.evasion import EVASION
 from fuzzynav.fusion.objective import checked_weights
 from fuzzynav.fusion.sensed import NO_ROWS, Surroundings
 from fuzzynav.fusion.subgoals import arc_cap
 from fuzzynav.geometry import Array
 from fuzzynav.robot import Robot, limits_of
 
-__all__ = ["REASONS", "Decision", "Params", "decide"]
+__all__ = ["EVADING", "REASONS", "Decision", "Evasion", "Params", "decide"]
 
 REASONS: tuple[str, ...] = (
     "admissible",
@@ -26,6 +27,27 @@ REASONS: tuple[str, ...] = (
     "a mover could be there before the robot stands",
 )
 SLOWEST = 0.05  # of the top speed: no sub-goal caps the speed below it
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evasion:
+    """How a robot evades movers that do not yield; all ours.
+
+    A speed is held for `hold`, then another one until the end of the prediction. Its promise is the share of the way at
+    top speed that it gains towards the target, of which `early` is the share of the first moment, less `dread` times
+    the greatest nearness to a mover, exp(-gap / scale - time / fade). Raises ValueError for values out of range.
+    """
+
+    hold: float = 1.0  # [s]
+    early: float = 0.3
+    dread: float = 3.0
+    scale: float = 0.3  # [m]
+    fade: float = 4.0  # [s]
+
+    def __post_init__(self) -> None:
+        positive(hold=self.hold, scale=self.scale, fade=self.fade)
+        not_negative(dread=self.dread)
+        share(early=self.early)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +71,7 @@ class Params:
     margin: float = 0.01  # [m] kept from what stands
     thinnest: float = 0.2  # [m] of the obstacles that a scan must not miss
     guard: bool = True
-    evades: bool = False  # rather out of the guarantee than into a predicted contact: for movers that do not yield
+    evasion: Evasion | None = None  # rather out of the guarantee than struck: for movers that do not yield
     hidden: bool = False  # what was not seen may hide a mover
     error: float = 0.0  # [m] bound of the error of places, of odometry and of tracks together
     reserve: float = 0.15  # [m] kept from where movers can be, by a robot faster than creep
@@ -68,12 +90,23 @@ class Params:
             raise ValueError(f"a window needs 2 x 3 samples or more, got {self.v_samples} x {self.omega_samples}")
 
 
+EVADING = Params(
+    evasion=Evasion(),
+    v_samples=3,  # few, because each is followed by many others
+    omega_samples=11,
+    aside=0.02,  # what is predicted to leave is no obstacle
+    cap=False,  # a detour may be wide
+)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Decision:
     """One decision with all its evidence; row k of every array belongs to sample k, the last is the emergency one.
 
     `raw` holds the four terms of eq 4.15, `scores` their shares; both count among the samples that are `eligible`:
-    admissible, and without a predicted contact where there is such a one, otherwise with the latest.
+    admissible, and without a predicted contact where there is such a one, otherwise with the latest. Of a robot that
+    evades `totals` are promises, of every sample that what stands admits, there are no shares, and the time of the
+    predicted contact is that of the best go on.
     """
 
     command: Array  # (2,)
@@ -106,17 +139,18 @@ def decide(
     A speed is admissible if the robot, driving it for a step and then braking on the same arc, touches nothing that
     stands, leaves no ground that was seen, and stays clear of every place that a hazard can have reached by then. A
     robot that stands, or turns in place, satisfies that always. Among the admissible ones those count whose arc is free
-    of predicted contact. With none admissible the robot brakes on its arc: that was admissible a step before.
+    of predicted contact. With none admissible the robot brakes on its arc: that was admissible a step before. A robot
+    that evades (`params.evasion`) does not ask what hazards can reach: it takes the speed that promises most.
     """
     here, aim = np.asarray(observation.pose, dtype=float), np.asarray(target, dtype=float)
     cap = max(arc_cap(here, aim, robot.max_vel_theta), SLOWEST * robot.max_vel_x) if params.cap else robot.max_vel_x
-    settings, weights = _settings(robot, params, float(speed_bound))
+    settings, weights, evasion = _settings(robot, params, float(speed_bound))
     samples, raw, ways, reasons, shares, totals, best = kernels.decide(
         np.asarray(observation.velocity, dtype=float),
         here,
         aim,
         _sensed(around, params, speed_bound),
-        (limits_of(robot), min(cap, robot.max_vel_x)),
+        (limits_of(robot), min(cap, robot.max_vel_x), evasion),
         settings,
         weights,
     )
@@ -136,8 +170,8 @@ def decide(
 
 
 @lru_cache(maxsize=256)
-def _settings(robot: Robot, params: Params, speed_bound: float) -> tuple[Array, Array]:
-    """Settings and weights as the kernels take them."""
+def _settings(robot: Robot, params: Params, speed_bound: float) -> tuple[Array, Array, Array]:
+    """Settings, weights and how to evade as the kernels take them."""
     wide = min((robot.acc_lim_x + robot.dec_lim_x) * params.dt, robot.max_vel_x - robot.min_vel_x)
     turn = min(robot.acc_lim_theta * params.dt, robot.max_vel_theta)
     aim = min(max(params.aim_turn / turn, params.aim_time[0]), params.aim_time[1])
@@ -145,9 +179,16 @@ def _settings(robot: Robot, params: Params, speed_bound: float) -> tuple[Array, 
     reserve, aside = (params.reserve, params.aside) if bound > 0.0 else (0.0, params.margin)
     values = (
         params.dt, params.sim_time, aim, wide / (params.v_samples - 1), 2.0 * turn / (params.omega_samples - 1),
-        params.d_max, params.margin, bound, reserve, aside, params.creep + 1e-9, params.growth, params.evades,
+        params.d_max, params.margin, bound, reserve, aside, params.creep + 1e-9, params.growth,
+        params.evasion is not None,
     )  # fmt: skip
-    return np.array([values], dtype=kernels.SETTINGS), np.array(params.weights)
+    own = params.evasion or Evasion()
+    flight = (params.sim_time, own.hold, own.early, own.dread, own.scale, own.fade, params.growth)
+    return (
+        np.array([values], dtype=kernels.SETTINGS),
+        np.array(params.weights),
+        np.array([flight], dtype=EVASION),
+    )
 
 
 def _sensed(around: Surroundings, params: Params, speed_bound: float) -> tuple[Array, Array, Array, int, Array, Array]:

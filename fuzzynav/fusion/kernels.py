@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from fuzzynav.dwa.contact import STILL, arc_contact, near_points
 from fuzzynav.dwa.kernels import SLACK, TIE, braking, stopping, window
+from fuzzynav.fusion.evasion import EVASION, promises
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc
 
@@ -42,7 +43,7 @@ SETTINGS = np.dtype(
             ("aside", "f8"),  # [m] kept from where movers are now
             ("creep", "f8"),  # [m/s] a robot this slow counts as standing
             ("growth", "f8"),  # [m/s] of a prediction's uncertainty
-            ("evades", "?"),  # the guard yields where it would be struck
+            ("evades", "?"),  # the guard yields, and the promise decides
         ],
     )
 )
@@ -93,7 +94,7 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
     """Least gap [m] to movers that keep their velocity while v is held, and when [s] the first contact is; inf: none.
 
     Between two times `step` apart the motion relative to a mover is taken as straight. The uncertainty of a
-    prediction grows by `growth` [m/s].
+    prediction grows by `growth` [m/s], but not faster than the mover walks.
     """
     least, first = np.inf, np.inf
     if tracks.shape[0] == 0:
@@ -109,7 +110,8 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
             squared = dx * dx + dy * dy
             u = min(max(-(ax * dx + ay * dy) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
             at = begin + u * (end - begin)
-            gap = np.hypot(ax + u * dx, ay + u * dy) - tracks[i, 4] - growth * at
+            doubt = min(growth, np.hypot(tracks[i, 2], tracks[i, 3])) * at
+            gap = np.hypot(ax + u * dx, ay + u * dy) - tracks[i, 4] - doubt
             least = min(least, gap)
             if gap <= 0.0:
                 first = min(first, at)
@@ -170,21 +172,14 @@ def _rate(
 
 
 @njit(cache=True)
-def _eligible(reasons: Reasons, contact: Array, evades: bool) -> NDArray[np.bool_]:
-    """Admissible samples without a predicted contact; where there is none, those whose contact comes last.
-
-    A robot that evades prefers a way without predicted contact that the guard refuses to a contact.
-    """
-    n, worst = reasons.shape[0], ADMISSIBLE
-    latest = np.full(REACHABLE + 1, -np.inf)
-    for i in range(n):
-        latest[reasons[i]] = max(latest[reasons[i]], contact[i])
-    if evades and latest[ADMISSIBLE] < np.inf and latest[REACHABLE] > latest[ADMISSIBLE]:
-        worst = REACHABLE
-    top = min(latest[worst], 1e9) - LATE
-    out = np.zeros(n, dtype=np.bool_)
-    for i in range(n):
-        out[i] = (reasons[i] == ADMISSIBLE or reasons[i] == worst) and contact[i] >= top
+def _eligible(reasons: Reasons, contact: Array) -> NDArray[np.bool_]:
+    """Admissible samples without a predicted contact; where there is none, those whose contact comes last."""
+    top, out = -np.inf, np.zeros(reasons.shape[0], dtype=np.bool_)
+    for i in range(reasons.shape[0]):
+        if reasons[i] == ADMISSIBLE:
+            top = max(top, min(contact[i], 1e9))
+    for i in range(reasons.shape[0]):
+        out[i] = reasons[i] == ADMISSIBLE and contact[i] >= top - LATE
     return out
 
 
@@ -192,7 +187,7 @@ def _eligible(reasons: Reasons, contact: Array, evades: bool) -> NDArray[np.bool
 def _choose(raw: Array, chosen: NDArray[np.bool_], samples: Array, weights: Array) -> tuple[Array, Array, int]:
     """Shares of eq 3.21, totals of eq 4.15 and the index of the best eligible sample (-1: there is none)."""
     n, terms = raw.shape
-    shares, totals, top, best = np.zeros((n, terms)), np.full(n, np.nan), -np.inf, -1
+    shares, totals = np.zeros((n, terms)), np.full(n, np.nan)
     for j in range(terms):
         whole = 0.0
         for i in range(n):
@@ -203,9 +198,18 @@ def _choose(raw: Array, chosen: NDArray[np.bool_], samples: Array, weights: Arra
     for i in range(n):
         if chosen[i]:
             totals[i] = np.dot(shares[i], weights)
-            top = max(top, totals[i])
-    for i in range(n):
-        if not chosen[i] or totals[i] < top - TIE:
+    return shares, totals, _best(totals, samples)
+
+
+@njit(cache=True)
+def _best(totals: Array, samples: Array) -> int:
+    """Index of the greatest total, of equal ones the fastest and then the straightest; -1 where all are nan."""
+    top, best = -np.inf, -1
+    for i in range(totals.size):
+        if totals[i] > top:
+            top = totals[i]
+    for i in range(totals.size):
+        if not totals[i] >= top - TIE:
             continue
         if (
             best < 0
@@ -213,7 +217,7 @@ def _choose(raw: Array, chosen: NDArray[np.bool_], samples: Array, weights: Arra
             or (abs(samples[i, 0] - samples[best, 0]) <= TIE and abs(samples[i, 1]) < abs(samples[best, 1]) - TIE)
         ):
             best = i
-    return shares, totals, best
+    return best
 
 
 @njit(cache=True)
@@ -257,8 +261,9 @@ def _around(samples: Array, pose: Array, sensed: Any, lim: Any, own: Any) -> tup
     stand = np.concatenate((points, hazards[:, :2]))
     still, _ = near_points(pose, stand, np.concatenate((kept, wary)), lim.radius, far)
     covers, _ = _kept(pose, border, radii, lim.radius)
-    gaps, _ = near_points(pose, border[:holes], covers[:holes], lim.radius, far)
-    ends, _ = near_points(pose, border[holes:], covers[holes:], lim.radius, far)
+    edge = need + SLACK + 0.01  # where the seen ends matters only as far as the robot may have to go
+    gaps, _ = near_points(pose, border[:holes], covers[:holes], lim.radius, edge)
+    ends, _ = near_points(pose, border[holes:], covers[holes:], lim.radius, edge)
     threats, reach = _turned(pose, hazards, lim.radius), need + own.speed_bound * time + own.reserve + 0.01
     near = np.hypot(threats[:, 0], threats[:, 1]) - threats[:, 2] <= reach
     return Ground(still, ends, gaps, threats[near], _turned(pose, tracks, lim.radius)), nearest
@@ -281,15 +286,22 @@ def decide(
     """One decision: samples, raw scores, ways, reasons, shares, totals and the index of the best; -1 where none is.
 
     sensed: points, border, its radii, how many bound gaps, hazards (x, y, radius) and tracks (x, y, velocity, radius),
-    all in the world; body: the robot's limits, and the speed that the sub-goal allows.
+    all in the world; body: the robot's limits, the speed that the sub-goal allows, and how it evades.
+    A robot that evades chooses by its promises, whatever the guard says.
     """
-    limits, cap = body
+    limits, cap, evasion = body
     lim, own = limits[0], settings[0]
     samples = _within(window(velocity[0], velocity[1], lim, own), cap)
     ground, nearest = _around(samples, pose, sensed, lim, own)
     c, s, dx, dy = np.cos(pose[2]), np.sin(pose[2]), target[0] - pose[0], target[1] - pose[1]
-    raw, ways, reasons = _rate(samples, np.array([c * dx + s * dy, c * dy - s * dx]), ground, nearest, lim, own)
-    shares, totals, best = _choose(raw, _eligible(reasons, ways[:, 4], own.evades), samples, weights)
+    aim = np.array([c * dx + s * dy, c * dy - s * dx])
+    raw, ways, reasons = _rate(samples, aim, ground, nearest, lim, own)
+    if own.evades:
+        allowed, flight = (reasons == ADMISSIBLE) | (reasons == REACHABLE), evasion[0]
+        stands, _ = near_points(pose, sensed[0], np.zeros(sensed[0].shape[0]), lim.radius, lim.v_high * flight.horizon)
+        totals, ways[:, 4] = promises(samples, allowed, aim, stands, ground.tracks, lim, flight)
+        return samples, raw, ways, reasons, np.zeros(raw.shape), totals, _best(totals, samples)
+    shares, totals, best = _choose(raw, _eligible(reasons, ways[:, 4]), samples, weights)
     return samples, raw, ways, reasons, shares, totals, best
 
 
@@ -299,6 +311,7 @@ def _warm() -> None:
     settings = np.array([(0.1, 3.0, 3.0, 0.02, 0.05, 2.0, 0.0, 0.5, 0.1, 0.1, 0.05, 0.0, False)], dtype=SETTINGS)
     points, row = np.array([[2.0, 1.0]]), np.array([[2.0, 1.0, 0.3, 0.0, 0.3]])
     sensed = (points, points, np.zeros(1), 0, row[:, :3].copy(), row)
-    decide(np.zeros(2), np.zeros(3), np.ones(2), sensed, (limits, 1.0), settings, np.ones(4))
+    evasion = np.array([(3.0, 0.6, 0.3, 2.0, 0.3, 4.0, 0.1)], dtype=EVASION)
+    decide(np.zeros(2), np.zeros(3), np.ones(2), sensed, (limits, 1.0, evasion), settings, np.ones(4))
     stays_clear(0.5, 0.1, 0.2, 0.1, 0.5, row[:, :3].copy(), 0.1)
     least_gap(0.5, 0.1, row, 3.0, 0.2, 0.0)

@@ -37,15 +37,17 @@ class Memory:
         self.changes = 0  # how many cells were entered or freed so far
 
     def enter(self, observation: Observation, standing: Mask) -> None:
-        """Take a scan into the map; `standing` says which of its beams may be entered, all of them may free cells."""
+        """Take a scan into the map; `standing` says which of its hits may be entered, all beams may free cells."""
         if not self.known.size:
             self._begin(observation)
         if observation.ranges is None or observation.angles is None:
             return
         frame = np.array([self.resolution, *self.origin, float(self.fades)])
         pose, ranges = np.asarray(observation.pose, dtype=float), np.asarray(observation.ranges, dtype=float)
+        entered = np.isfinite(ranges)
+        entered[entered] = standing
         self.changes += enter(
-            self.evidence, self.known, frame, pose, ranges, observation.angles, standing, float(observation.range_max)
+            self.evidence, self.known, frame, pose, ranges, observation.angles, entered, float(observation.range_max)
         )
 
     def grid(self, discs: Array | None = None, wary: float = 0.0) -> GridMap:

@@ -20,6 +20,7 @@ from fuzzynav.dwa.controller import Stuck
 from fuzzynav.dwa.steps import TABLE_3_3, Params
 from fuzzynav.dwa.weights import FuzzyWeights
 from fuzzynav.fusion.controller import Navigator
+from fuzzynav.fusion.decision import EVADING
 from fuzzynav.fusion.decision import Params as DecisionParams
 from fuzzynav.fusion.guide import Planning
 from fuzzynav.fusion.printed import PRINTED, Printed
@@ -46,6 +47,7 @@ __all__ = ["METHODS", "PathFollower", "fitted_params", "ours", "path_of", "print
 SPEEDS, TURNS = 15, 31  # samples of a window: at most these, and zero
 BEST_FIXED = (0.2, 0.7, 0.1)  # of all fixed weights the best on the training maps of chapter 06
 OURS, PLANNING = DecisionParams(), Planning()
+STRAIGHT = Planning(patience=np.inf, wary=0.1)  # evading: no ways round movers, and room beside unproved ones
 LEAST_NOISE = 0.003  # [m] of a range: also a scanner without noise sees a disc as a polygon
 RECOVERY = Stuck(tries=5)  # a baseline may turn away five times before it gives up
 
@@ -178,6 +180,7 @@ _EFFICIENT = replace(EFFICIENT, corners="strict")
 
 METHODS: dict[str, Method] = {
     "ours": ours,
+    "ours, evading": partial(ours, params=EVADING, planning=STRAIGHT),
     "printed": printed_fusion,
     "TDWA": plain_window,
     "A* + DWA": partial(along_path, options=_STRICT, keep=turning_points),

@@ -15,6 +15,9 @@ from fuzzynav.smoothing import prune
 
 __all__ = ["Route", "clear_from", "route", "target_of"]
 
+REACHED = 0.15  # [m]
+WORTH, WORTH_A_TRY = 1.1, 1.5  # times shorter than the way with more room
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Route:
@@ -36,16 +39,26 @@ class Route:
 def route(
     grid: GridMap, start: Array, goal: Array, radius: float, rooms: tuple[float, ...], options: astar.Options
 ) -> Route | None:
-    """The shortest of the searches that keep `radius` and one of the rooms [m] from what stands; None: there is none.
+    """A way that keeps `radius` and one of the rooms [m], the widest first, from what stands; None: there is none.
 
-    A search with more room is preferred as long as its way is not more than a tenth longer. Start and goal may stand
-    nearer to something: the nearest cell with room takes their place.
+    The widest room is taken whose way is at most a tenth longer than with the narrowest. Rooms below 0 find gaps that
+    are only narrow because cells are coarse; such a way is tried where every other is half as long again. Start and
+    goal may stand nearer to something: the nearest cell with room takes their place.
     """
-    best: Route | None = None
-    for room in rooms:
+    wide, seeming = [r for r in rooms if r >= 0.0], [r for r in rooms if r < 0.0]
+    best = _search(grid, start, goal, radius + wide[-1], options) if wide else None
+    for room in wide[:-1] if best is not None else ():
         found = _search(grid, start, goal, radius + room, options)
-        if found is not None and (best is None or best.length > 1.1 * found.length):
+        if found is not None and best is not None and found.length <= WORTH * best.length:
             best = found
+            break
+    straight = float(np.hypot(*(np.asarray(goal) - start)))
+    if best is not None and best.length <= WORTH_A_TRY * straight:
+        return best
+    for room in seeming:
+        found = _search(grid, start, goal, radius + room, options)
+        if found is not None:
+            return found if best is None or best.length > WORTH_A_TRY * found.length else best
     return best
 
 
@@ -82,18 +95,24 @@ def _open(grid: GridMap, field: Array, point: Array, room: float) -> NDArray[np.
     return np.array([i + left, j + top])
 
 
-def clear_from(grid: GridMap, here: Array, way: Route, first: int, slack: float) -> bool:
-    """Whether the way from `here` over the turning points from `first` on is free for its room less `slack` [m]."""
+def clear_from(grid: GridMap, here: Array, way: Route, first: int, least: float) -> bool:
+    """Whether the way from `here` over the turning points from `first` on is free for a disc of `least` [m].
+
+    For one of the way's own room, where that is less.
+    """
     points = np.vstack([here, way.points[first:]])
-    room = max(way.room - slack, 0.0)
+    room = min(way.room, least)
     return all(grid.clear_line(a, b, room) for a, b in pairwise(points))
 
 
-def target_of(grid: GridMap, here: Array, way: Route, first: int, slack: float) -> int:
-    """Index of the last turning point that is in clear view from `here`, not before `first`."""
-    room, at = max(way.room - slack, 0.0), first
+def target_of(grid: GridMap, here: Array, way: Route, first: int, least: float) -> int:
+    """Index of the last turning point that a disc of `least` [m] could drive to straight, not before `first`.
+
+    One of the way's own room, where that is less. A point nearer than REACHED is done with.
+    """
+    room, at = min(way.room, least), first
     while at + 1 < len(way.points) and (
-        grid.clear_line(here, way.points[at + 1], room) or np.hypot(*(way.points[at] - here)) < 0.15
+        grid.clear_line(here, way.points[at + 1], room) or np.hypot(*(way.points[at] - here)) < REACHED
     ):
         at += 1
     return at

@@ -50,8 +50,12 @@ def surroundings(
     chart: GridMap | None,
     tracks: Tracks | None,
     tell: float,
+    trusts: bool = False,
 ) -> Surroundings:
-    """Sort the hits of a scan for a robot of `radius` [m]; hits nearer than `tell` [m] to the chart belong to it."""
+    """Sort the hits of a scan for a robot of `radius` [m]; hits nearer than `tell` [m] to the chart belong to it.
+
+    One that `trusts` its tracker takes the tracks as an ideal tracker's: they alone may move.
+    """
     points = np.ascontiguousarray(observation.points, dtype=float).reshape(-1, 2)
     known = np.zeros(len(points), dtype=np.bool_)
     if chart is not None and len(points):
@@ -68,6 +72,8 @@ def surroundings(
             labels = tracks.labels[np.isfinite(observation.ranges)]
             own = (labels >= 0) & np.append(tracks.moving, False)[labels]
             movers = np.ascontiguousarray(tracks.movers)
+        if trusts:
+            still, hazards = points[~own], np.ascontiguousarray(movers[:, [0, 1, 4]])
     rim, radii, holes = _border(observation, radius, thinnest)
     return Surroundings(
         points=still, border=rim, radii=radii, holes=holes, hazards=hazards, movers=movers, standing=~(own | known)

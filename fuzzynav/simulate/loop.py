@@ -36,7 +36,7 @@ class Loop:
     stall_distance: float = 0.05
     stall_angle: float = 0.2  # [rad] and turned by less than this
     stop_at_contact: bool = True
-    standing: float = STILL  # [m/s] a robot that is no faster stands: what touches it then ran into it
+    standing: float = 0.0  # [m/s] a robot that is no faster (to 1e-9) stands: what touches it then ran into it
     end_when_struck: bool = False
     heading: float | None = None  # [rad] at the start; None: towards the goal, where start has no heading
     velocity: tuple[float, float] = (0.0, 0.0)  # v [m/s], omega [rad/s] at the start
@@ -188,7 +188,7 @@ class _State:
         kernels.drive(self.pose, self.wheels, acting, self.slip[k], self.plant, dt, loop.by_euler, driven)
         self.driven = driven
         self.velocity = body_speeds(self.wheels, self.robot) if "driven" in self.track else acting
-        stands = bool(abs(driven[0]) <= loop.standing)
+        stands = bool(abs(driven[0]) <= loop.standing + STILL)
         self.traffic = movers_step(before, dt, self.pose, self.traffic_rng, self.robot.radius, stands)
         self.movers = self.traffic.positions
         self.clearances.append(self._least_clearance(start, driven, dt, before))

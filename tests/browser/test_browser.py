@@ -18,7 +18,7 @@ import pytest
 HOME = Path(__file__).parents[2]
 TOKEN = "course"
 # chapter and the label of the slider to move; None: whichever slider stands last in the chapter
-LABS = [("00", "right wheel larger by"), ("03", None)]
+LABS = [("00", "right wheel larger by"), ("03", None), ("07a", "yaw rate")]
 
 
 def with_labs() -> list[tuple[str, str | None]]:

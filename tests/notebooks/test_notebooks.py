@@ -27,7 +27,7 @@ SECTIONS = [
     "further reading",
 ]
 PICTURE_LIMIT = 60_000
-LIBRARIES = {"fuzzynav", "matplotlib.pyplot", "numpy", "skfuzzy", "sympy"}
+LIBRARIES = {"filterpy.kalman", "fuzzynav", "matplotlib.pyplot", "numpy", "scipy.optimize", "skfuzzy", "sympy"}
 VARIES = re.compile(r"0x[0-9a-f]{6,}|(?<![\w.])/(home|Users|root|tmp|mnt|usr)/|[A-Z]:\\\\|CPU times|Wall time|-0\.0+\b")
 
 

@@ -142,6 +142,15 @@ def test_a_timed_mover_does_not_jump_onto_a_robot_that_stands():
     assert aside.positions[0, 0] == pytest.approx(0.2)
 
 
+def test_no_courteous_mover_passes_through_a_robot_within_one_step():
+    robot = [2.0, 0.0, 0.0]
+    straight = Mover.timed([[0, 0, 0], [1, 4, 0], [9, 4, 0]], 0.3, courtesy=0.1)
+    after = Mover.timed([[0, 0, 0], [1, 4, 0], [9, 4, 0]], 0.3, phase=8.5, courtesy=0.1)  # jumps back, then walks
+    for mover in (straight, after, Mover.constant((0, 0), (4, 0), 0.3, courtesy=0.1)):
+        waiting = walk(mover, 3, 2.0, robot, 0.3, True)[-1]
+        assert waiting.positions[0].tolist() == list(mover.start)
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
