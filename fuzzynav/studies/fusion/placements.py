@@ -138,9 +138,12 @@ def planner(case: str, method: str, keep: bool = False) -> Controller:
 
 
 def one_placement(case: str) -> list[dict[str, Any]]:
-    """A row for each of METHODS on one placement."""
+    """A row for each of METHODS on one placement; traditional DWA is told of no velocity."""
     task = task_of(case)
-    return [{"map": case.split("/")[0], "method": name, **_row(drive(task, planner(case, name)))} for name in METHODS]
+    told = {name: replace(task, ideal=name != "TDWA") for name in METHODS}
+    return [
+        {"map": case.split("/")[0], "method": name, **_row(drive(told[name], planner(case, name)))} for name in METHODS
+    ]
 
 
 def _row(run: Run) -> dict[str, Any]:
