@@ -21,7 +21,7 @@ from fuzzynav.dwa.contact import (
     near_points,
     polygon_contact,
 )
-from fuzzynav.dwa.moving import moving_contact, moving_end, near_moving
+from fuzzynav.dwa.moving import Moving, moving_contact, moving_end, near_moving
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc, clip, reach
 
@@ -77,7 +77,7 @@ class Ground(NamedTuple):
 
     pose: Array
     near: Array  # what was sensed, and stands
-    moving: Array  # what was sensed and moves: rows as `near_moving` gives them
+    moving: Moving  # what was sensed and moves
     ends: Array  # border of what was seen: ends of beams and lines of sight past edges
     gaps: Array  # border of what was seen: gaps between beams
     chart: Chart
@@ -241,7 +241,7 @@ def _contact(v: float, omega: float, near: Array, corners: Array) -> float:
 
 
 @njit(cache=True)
-def _meet(v: float, omega: float, moving: Array, corners: Array, lim: Any, settings: Any) -> tuple[float, bool]:
+def _meet(v: float, omega: float, moving: Moving, corners: Array, lim: Any, settings: Any) -> tuple[float, bool]:
     """When [s] the robot first meets something that moves if it holds its speed, and whether it does while it brakes.
 
     What counts is the horizon, or the time to a stop where that is longer. A speed that falls once every dt stays
@@ -288,7 +288,7 @@ def _rate(
             end = end_clearance(v, omega, near, pose, chart, lim.radius, settings.sim_time)
             end = min(end, moving_end(v, omega, moving, settings.sim_time))
         time, struck, stands = np.inf, False, free
-        if moving.shape[0]:
+        if moving.rows.shape[0]:
             time, struck = _meet(v, omega, moving, corners, lim, settings)
             free = min(free, abs(v) * time) if abs(v) > STILL else free
         ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3] = free, min(free, seen, unseen), end, need
@@ -319,7 +319,7 @@ def _around(samples: Array, pose: Array, sensed: Any, chart: Chart, corners: Arr
     far = max(settings.d_max, stopping(fastest, slowest, settings.dt) + fastest * settings.reaction + settings.margin)
     if settings.at_end or settings.as_printed:
         far = np.inf
-    moving, beside = np.empty((0, 5)), np.inf
+    moving, beside = Moving(np.empty((0, 5)), np.empty((0, 7))), np.inf
     if drift.shape[0]:
         horizon = settings.sim_time if far < np.inf else np.inf
         for i in range(samples.shape[0]):

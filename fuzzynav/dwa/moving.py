@@ -8,30 +8,41 @@ on the straight line stays free. A straight line has A = 0 and its contact is a 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit
 
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import arc
 
-__all__ = ["moving_contact", "moving_end", "near_moving"]
+__all__ = ["Moving", "moving_contact", "moving_end", "near_moving"]
 
 TOUCHING = 1e-6  # [m] nearer than this is contact
 SHARE = 0.1  # of the gap that one step leaves for the bend of the way
 MOST_STEPS = 200  # after so many the time that is surely free counts as contact
 
 
+class Moving(NamedTuple):
+    """Points that move, in the body frame, and discs around neighbours of one velocity: who misses a disc misses all.
+
+    Rows of both begin with x, y, velocity and the radius at which the robot's centre touches.
+    """
+
+    rows: Array  # (n, 5)
+    groups: Array  # (m, 7), then the first row of the group and the first that belongs to it no more
+
+
 @njit(cache=True)
 def near_moving(
     pose: Array, points: Array, drift: Array, radius: float, way: float, horizon: float
-) -> tuple[Array, Array, float]:
-    """Points that stand, rows of those that a disc may meet within `horizon` [s] and `way` [m], how near they are.
+) -> tuple[Array, Moving, float]:
+    """Points that stand; those that a disc may meet within `horizon` [s] and `way` [m]; how near [m] these are.
 
-    Rows are x, y, velocity in the body frame and the radius [m]; the last is the distance [m] from the rim to the
-    nearest point that moves.
+    The disc is the robot, or holds its footprint.
     """
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    still, moving = np.empty_like(points), np.empty((points.shape[0], 5))
+    still, rows = np.empty_like(points), np.empty((points.shape[0], 5))
     n = k = 0
     nearest = np.inf
     for i in range(points.shape[0]):
@@ -44,10 +55,27 @@ def near_moving(
         gap = np.sqrt(dx * dx + dy * dy) - radius
         nearest = min(nearest, gap)
         if gap <= way + np.sqrt(ux * ux + uy * uy) * horizon:
-            moving[k, 0], moving[k, 1] = c * dx + s * dy, c * dy - s * dx
-            moving[k, 2], moving[k, 3], moving[k, 4] = c * ux + s * uy, c * uy - s * ux, radius
+            rows[k, 0], rows[k, 1] = c * dx + s * dy, c * dy - s * dx
+            rows[k, 2], rows[k, 3], rows[k, 4] = c * ux + s * uy, c * uy - s * ux, radius
             k += 1
-    return still[:n], moving[:k], nearest
+    return still[:n], Moving(rows[:k], _groups(rows[:k])), nearest
+
+
+@njit(cache=True)
+def _groups(rows: Array) -> Array:
+    """Discs around runs of rows that have one velocity."""
+    out, count, i = np.empty((rows.shape[0], 7)), 0, 0
+    while i < rows.shape[0]:
+        j = i + 1
+        while j < rows.shape[0] and rows[j, 2] == rows[i, 2] and rows[j, 3] == rows[i, 3]:
+            j += 1
+        x, y, wide = rows[i:j, 0].mean(), rows[i:j, 1].mean(), 0.0
+        for k in range(i, j):
+            wide = max(wide, np.hypot(rows[k, 0] - x, rows[k, 1] - y) + rows[k, 4])
+        out[count, 0], out[count, 1], out[count, 2], out[count, 3] = x, y, rows[i, 2], rows[i, 3]
+        out[count, 4], out[count, 5], out[count, 6] = wide + TOUCHING, i, j
+        count, i = count + 1, j
+    return out[:count]
 
 
 @njit(cache=True)
@@ -70,14 +98,19 @@ def _meets(x: float, y: float, wx: float, wy: float, size: float) -> float:
 
 
 @njit(cache=True)
-def _disc_time(v: float, omega: float, row: Array, hold: float, loss: float, until: float, more: float) -> float:
-    """`moving_contact` of a disc with one point."""
-    ux, uy, t, bend = row[2], row[3], 0.0, abs(v * omega) + loss
-    x, y, wx, wy = row[0], row[1], row[2] - v, row[3]
-    away = np.sqrt(x * x + y * y)
-    size = row[4] + min(more, max(away - row[4] - 2.0 * TOUCHING, 0.0))
+def _disc_time(
+    v: float, omega: float, row: Array, size: float, hold: float, loss: float, start: float, until: float
+) -> float:
+    """`moving_contact` with one point, when it first comes within `size` [m] of the robot's centre after `start`."""
+    ux, uy, t, bend = row[2], row[3], start, abs(v * omega) + loss
+    if np.sqrt(row[0] * row[0] + row[1] * row[1]) - size > (abs(v) + np.sqrt(ux * ux + uy * uy)) * until:
+        return np.inf
     for _ in range(MOST_STEPS):
-        gap, left = away - size, until - t
+        full, share = _clock(t, v, hold, loss)
+        cx, cy, turn = arc(0.0, 0.0, 0.0, v, omega, full)
+        x, y = row[0] + ux * t - cx, row[1] + uy * t - cy
+        wx, wy = ux - share * v * np.cos(turn), uy - share * v * np.sin(turn)
+        gap, left = np.sqrt(x * x + y * y) - size, until - t
         if gap <= TOUCHING:
             return t
         rise = 0.5 * bend * left * left
@@ -92,11 +125,6 @@ def _disc_time(v: float, omega: float, row: Array, hold: float, loss: float, unt
         t += step
         if t >= until:
             return np.inf
-        full, share = _clock(t, v, hold, loss)
-        cx, cy, turn = arc(0.0, 0.0, 0.0, v, omega, full)
-        x, y = row[0] + ux * t - cx, row[1] + uy * t - cy
-        wx, wy = ux - share * v * np.cos(turn), uy - share * v * np.sin(turn)
-        away = np.sqrt(x * x + y * y)
     return t
 
 
@@ -140,33 +168,45 @@ def _polygon_time(
 
 @njit(cache=True)
 def moving_contact(
-    v: float, omega: float, moving: Array, corners: Array, hold: float, loss: float, until: float, more: float
+    v: float, omega: float, moving: Moving, corners: Array, hold: float, loss: float, until: float, more: float
 ) -> float:
     """Time [s] of the first contact, before `until`, with the points that move; inf if there is none.
+
+    Of a robot that brakes it is the time of some contact.
 
     moving as from `near_moving`; corners of the footprint, none for the disc. The robot drives v and omega for `hold`
     [s] (inf: for ever), then brakes on its arc by `loss` [m/s^2]. `more` [m] is kept free around it; to a point that is
     nearer already, the gap that there is.
     """
-    first = until
-    for i in range(moving.shape[0]):
-        if corners.shape[0]:
-            first = min(first, _polygon_time(v, omega, moving[i], corners, hold, loss, first, more))
-        else:
-            first = min(first, _disc_time(v, omega, moving[i], hold, loss, first, more))
-        if first == 0.0:
-            break
+    first, (rows, groups) = until, moving
+    for g in range(groups.shape[0]):
+        low, high = int(groups[g, 5]), int(groups[g, 6])
+        start = 0.0
+        if high > low + 1:
+            start = _disc_time(v, omega, groups[g], groups[g, 4] + more, hold, loss, 0.0, first)
+        if start >= first:
+            continue
+        for i in range(low, high):
+            if corners.shape[0]:
+                time = _polygon_time(v, omega, rows[i], corners, hold, loss, first, more)
+            else:
+                gap = np.sqrt(rows[i, 0] * rows[i, 0] + rows[i, 1] * rows[i, 1]) - rows[i, 4]
+                size = rows[i, 4] + min(more, max(gap - 2.0 * TOUCHING, 0.0))
+                time = _disc_time(v, omega, rows[i], size, hold, loss, start, first)
+            first = min(first, time)
+            if first == 0.0 or (first < until and loss > 0.0):
+                return first
     return first if first < until else np.inf
 
 
 @njit(cache=True)
-def moving_end(v: float, omega: float, moving: Array, time: float) -> float:
+def moving_end(v: float, omega: float, moving: Moving, time: float) -> float:
     """Clearance [m] to the points that move at the end of the predicted arc, when they are there."""
     x, y, _ = arc(0.0, 0.0, 0.0, v, omega, time)
-    best = np.inf
-    for i in range(moving.shape[0]):
-        dx, dy = moving[i, 0] + moving[i, 2] * time - x, moving[i, 1] + moving[i, 3] * time - y
-        best = min(best, np.sqrt(dx * dx + dy * dy) - moving[i, 4])
+    best, rows = np.inf, moving.rows
+    for i in range(rows.shape[0]):
+        dx, dy = rows[i, 0] + rows[i, 2] * time - x, rows[i, 1] + rows[i, 3] * time - y
+        best = min(best, np.sqrt(dx * dx + dy * dy) - rows[i, 4])
     return max(best, 0.0)
 
 

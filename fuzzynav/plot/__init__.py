@@ -21,5 +21,4 @@ from fuzzynav.plot.navigation import *
 from fuzzynav.plot.planning import *
 from fuzzynav.plot.runs import *
 from fuzzynav.plot.sensors import *
-from fuzzynav.plot.studies import *
 from fuzzynav.plot.tracking import *

@@ -24,7 +24,8 @@ SEEDS = st.integers(0, 2**32)
 def meet(v, omega, points, drift, *, corners=DISC, hold=np.inf, loss=0.0, until=FAR, more=0.0, pose=(0, 0, 0)):
     """Time of the first contact of a disc of 0.3 m, or of a footprint."""
     rows = np.array(points, float).reshape(-1, 2), np.array(drift, float).reshape(-1, 2)
-    _, moving, _ = near_moving(np.array(pose, float), *rows, 0.3, np.inf, np.inf)
+    holds = np.hypot(*np.vstack([[[0.3, 0.0]], corners]).T).max()  # the disc that holds the robot
+    _, moving, _ = near_moving(np.array(pose, float), *rows, holds, np.inf, np.inf)
     return moving_contact(float(v), float(omega), moving, corners, hold, loss, until, more)
 
 
@@ -123,6 +124,25 @@ def test_contact_agrees_with_dense_sampling(seed: int, brakes: bool, square: boo
             assert near[-1] == pytest.approx(0.0, abs=1e-5)
 
 
+@settings(max_examples=60, deadline=None)
+@given(SEEDS, st.booleans(), st.booleans())
+def test_neighbours_of_one_velocity_are_met_as_if_each_were_alone(seed: int, brakes: bool, square: bool) -> None:
+    rng = np.random.default_rng(seed)
+    v, omega, around = rng.uniform(-1, 1), rng.uniform(-0.5, 0.5), rng.uniform(0, 2 * np.pi, (3, 9))
+    points = rng.uniform(-3, 3, (3, 1, 2)) + 0.4 * np.stack([np.cos(around), np.sin(around)], axis=-1)
+    drift = np.repeat(rng.normal(0, 0.6, (3, 2)), 9, axis=0)
+    told_to = {"corners": SQUARE if square else DISC, "until": 4.0, "more": 0.05}
+    told_to |= {"hold": 0.1, "loss": 0.5} if brakes else {}
+    alone = [meet(v, omega, p, d, **told_to) for p, d in zip(points.reshape(-1, 2), drift, strict=True)]
+    together = meet(v, omega, points, drift, **told_to)
+    if brakes:  # it is asked whether, not when
+        assert (together < np.inf) == (min(alone) < np.inf)
+    elif min(alone) == np.inf:
+        assert together == np.inf
+    else:
+        assert together == pytest.approx(min(alone), abs=1e-4)
+
+
 # --- plans ----------------------------------------------------------------------------------------
 
 
@@ -207,8 +227,9 @@ def test_the_clearance_at_the_end_is_that_of_then() -> None:
 def test_a_robot_told_the_velocities_touches_nobody_while_it_drives() -> None:
     """Movers that keep their velocity, on open ground: whatever the robot does, it stands before it is touched."""
     kept = dict(t_max=40.0, loop=Loop(stop_at_contact=False))
+    params = dwa.Params(margin=0.03, blind=False, sim_time=2.0, v_resolution=0.02, omega_resolution=0.05)
     hits = np.zeros(2, dtype=int)
-    for seed in range(12):
+    for seed in range(6):
         rng = np.random.default_rng(seed)
         start, aim = rng.uniform((3, -4), (14, 4), (6, 2)), rng.uniform((2, -1), (12, 1), (6, 2))
         flown = aim - start
@@ -216,7 +237,7 @@ def test_a_robot_told_the_velocities_touches_nobody_while_it_drives() -> None:
             Mover.constant(p, d / np.hypot(*d) * rng.uniform(0.2, 0.5), 0.3) for p, d in zip(start, flown, strict=True)
         ]
         for k, tracked in enumerate((True, False)):
-            controller = dwa.Controller(TURTLEBOT2, dwa.Params(margin=0.03, blind=False, sim_time=2.0))
+            controller = dwa.Controller(TURTLEBOT2, params)
             run = simulate.run(
                 World(movers=movers), TURTLEBOT2, controller, (0, 0), (16, 0), track_movers=tracked, rng=seed, **kept
             )

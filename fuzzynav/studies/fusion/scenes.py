@@ -23,16 +23,14 @@ from fuzzynav.planning.astar import ENHANCED
 from fuzzynav.studies.study import Study
 
 __all__ = [
-    "BRAKES", "FEW", "FIRST", "INGREDIENTS", "PLANNERS", "REPLANNING", "RIVAL_SEEDS", "SCENE_STUDIES", "SEEDS",
-    "braking_cases", "comparison_cases", "ingredient_cases", "outcome", "outcome_braking", "rival_cases", "step_times",
-    "task_of", "time_cases",
+    "FEW", "FIRST", "INGREDIENTS", "PLANNERS", "REPLANNING", "RIVAL_SEEDS", "SCENE_STUDIES", "SEEDS",
+    "comparison_cases", "ingredient_cases", "outcome", "rival_cases", "task_of",
 ]  # fmt: skip
 
 FIRST = 20_000  # no scene from this one on was looked at before the planners were fixed
 SEEDS, SOME, RIVAL_SEEDS = 1000, 300, 100  # scenes of ours with the TurtleBot2, in other ways, and of all others
-FEW = 40  # of the ingredients and of the brakes
+FEW = 40  # of the ingredients
 WAIT = 60.0  # [s] at rest until a run is late
-BRAKES = (0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.5)  # [m/s^2]
 NEVER = float("inf")
 REPLANNING = "A* + DWA, replanning"
 INGREDIENTS: Mapping[str, Method] = {
@@ -69,13 +67,6 @@ def outcome(case: str) -> dict[str, Any]:
     return _row(case, task_of(case), INGREDIENTS[name] if name in INGREDIENTS else PLANNERS[name])
 
 
-def outcome_braking(case: str) -> dict[str, Any]:
-    """How our planner ends with a TurtleBot2 whose motors brake and speed up by the third part of the case [m/s^2]."""
-    task = task_of(case)
-    brake = float(case.split("/")[2])
-    return _row(case, replace(task, robot=replace(task.robot, dec_lim_x=brake, acc_lim_x=brake)), ours)
-
-
 def _row(case: str, task: Task, method: Method) -> dict[str, Any]:
     """The columns that are kept."""
     found = measure(task, method)
@@ -89,20 +80,6 @@ def _row(case: str, task: Task, method: Method) -> dict[str, Any]:
 def _rounded(value: Any) -> Any:
     """Six digits after the point are more than any of it means."""
     return round(float(value), 6) if isinstance(value, float | np.floating) else value
-
-
-def time_cases() -> tuple[str, ...]:
-    """Every planner on a few scenes, for the clock."""
-    return tuple(
-        f"turtlebot2/yield/{name}/{seed}" for name in PLANNERS for seed in range(FIRST + 4000, FIRST + 4010)
-    ) + tuple(f"turtlebot2/yield scans/ours/{seed}" for seed in range(FIRST + 4000, FIRST + 4010))
-
-
-def step_times(case: str) -> dict[str, Any]:
-    """Median and 99th percentile [ms] of what a planner takes for one step of a run."""
-    robot, movers, planner, seed = case.split("/")
-    found = measure(task_of(case), PLANNERS[planner])
-    return {"planner": planner, "movers": movers, "robot": robot, "seed": int(seed)} | {c: found[c] for c in CLOCK}
 
 
 def rival_cases() -> tuple[str, ...]:
@@ -139,22 +116,9 @@ def ingredient_cases() -> tuple[str, ...]:
     )
 
 
-def braking_cases() -> tuple[str, ...]:
-    """The TurtleBot2 with other brakes, among movers that yield and among blind ones."""
-    return tuple(
-        f"turtlebot2/{movers}/{brake}/{seed}"
-        for movers in ("yield", "blind")
-        for brake in BRAKES
-        for seed in range(FIRST + 3000, FIRST + 3000 + FEW)
-    )
-
-
-CLOCK = ("step_median_ms", "step_p99_ms")
 CHOICES = {"scenes": "edition 1", "robot radius [m]": 0.3, "speed bound [m/s]": 0.5, "t_max [s]": 300.0}
 SCENE_STUDIES = (
     Study(name="fusion_rivals", experiment=outcome, cases=rival_cases(), parameters=CHOICES),
     Study(name="fusion_scenes", experiment=outcome, cases=comparison_cases(), parameters=CHOICES),
     Study(name="fusion_ingredients", experiment=outcome, cases=ingredient_cases(), parameters=CHOICES),
-    Study(name="fusion_braking", experiment=outcome_braking, cases=braking_cases(), parameters=CHOICES),
-    Study(name="fusion_times", experiment=step_times, cases=time_cases(), parameters=CHOICES, timed=CLOCK),
 )
