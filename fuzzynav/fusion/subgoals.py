@@ -47,13 +47,13 @@ Keep = Callable[[Cells, GridMap, Options], Cells]  # which cells of a path remai
 
 
 def pruned(cells: Cells, grid: GridMap, options: Options) -> Cells:
-    """The two steps of thesis section 4.2.2.2, for a disc of the safety radius."""
-    return simplify.prune(cells, grid, _passable(cells, grid, options), options.corners)
+    """The two steps of thesis section 4.2.2.2, for a disc of the safety radius; a point may touch corners."""
+    return simplify.prune(cells, grid, _passable(cells, grid, options))
 
 
 def key_nodes(cells: Cells, grid: GridMap, options: Options) -> Cells:
     """The key nodes of thesis section 3.3.4, for a disc of the safety radius."""
-    return simplify.key_nodes(cells, grid, _passable(cells, grid, options), options.corners)
+    return simplify.key_nodes(cells, grid, _passable(cells, grid, options))
 
 
 def turning_points(cells: Cells, grid: GridMap, options: Options) -> Cells:
@@ -64,7 +64,7 @@ def turning_points(cells: Cells, grid: GridMap, options: Options) -> Cells:
 def _passable(cells: Cells, grid: GridMap, options: Options) -> float:
     """The safety radius [m], or a little less: a step between two cells at that distance may come nearer halfway."""
     radius, spots = options.safety_radius, grid.center_of(cells)
-    if all(grid.clear_line(a, b, radius, options.corners) for a, b in pairwise(spots)):
+    if all(grid.clear_line(a, b, radius, "permissive") for a, b in pairwise(spots)):
         return radius
     return float(np.sqrt(max(radius**2 - 0.5 * grid.resolution**2, 0.0)))
 

@@ -80,8 +80,8 @@ def fusion_run(given: str) -> tuple[Run, Task]:
 
 
 def _holds(given: str, who: str) -> tuple[int, int]:
-    """For how many of all settings or placements the printed length comes out, to its rounding."""
-    rows = setting_rows(given) if who == "TDWA" else placed_rows(given, "fusion")
+    """For how many of all runs, of settings or of the fusions on placements, the printed length comes out."""
+    rows = setting_rows(given) if who == "TDWA" else pd.concat([placed_rows(given, name) for name in FUSIONS])
     good = (rows["success"] == 1) & ((rows["length"] - _printed(given, who)).abs() <= ROUNDING)
     return int(good.sum()), len(rows)
 
@@ -186,7 +186,7 @@ _SETTINGS = "raster; robot radius, d_max, heading at the start, dist along the a
 _PLACED = (
     "raster; where the unknown squares and movers stand, their size and speed; delta, the radius of a sub-goal, d_max"
 )
-_FREE = {"TDWA": _SETTINGS, "IDWA": _PLACED}
+_FREE = {"TDWA": _SETTINGS, "IDWA": f"{_PLACED}; the printed fusion, without its orbit, and with equal weights"}
 _SOUGHT = "the nearest of all that was tried; rounding of two decimals"
 _TIMES = (
     "seconds of another machine: read as driving time, 172.7 and 277.1 s need 0.15 and 0.10 m/s in the mean from a "
