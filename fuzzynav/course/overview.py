@@ -51,7 +51,7 @@ CHAPTERS: tuple[Chapter, ...] = (
         "07",
         "Plan and react",
         "How do a planner and a reactive controller share one robot, and stay safe among movers?",
-        150,
+        90,
         "1.6.5, 4.3 to 4.5",
     ),
     Chapter(

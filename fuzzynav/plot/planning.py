@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -220,7 +221,7 @@ def draw_heuristics(ax: Axes, start: ArrayLike, goal: ArrayLike) -> dict[str, Ar
         * heuristics.manhattan(offset)
         / true,
         "eq 4.4, base 10": heuristics.enhanced(offset, total) / true,
-        "eq 4.4, base e": heuristics.enhanced(offset, total, np.e) / true,
+        "eq 4.4, base e": heuristics.enhanced(offset, total, math.e) / true,
     }
     for name, values in curves.items():
         ax.plot(heuristics.euclidean(offset), values, label=name)

@@ -178,7 +178,7 @@ def test_a_planner_that_does_not_repeat_is_found_out(tmp_path):
     ("words", "said"),
     [
         (["mazes", "--method", "TDWA"], "the set is one of scenes, barn, dynabarn, got 'mazes'"),
-        (["scenes", "--method", "TDWB"], "there is no planner 'TDWB': take one of 'printed'"),
+        (["scenes", "--method", "TDWB"], "there is no planner 'TDWB': take one of 'ours'"),
         (["scenes", "--method", "nowhere:plan"], "there is no planner nowhere:plan: No module named 'nowhere'"),
         (["scenes", "--method", TOY + "plan"], "has no attribute 'plan'"),
         (["scenes", "--method", TOY + "NUMBER"], "is int: a planner is a function"),

@@ -166,7 +166,7 @@ def test_without_the_guard_the_reversal_of_a_patrol_hits() -> None:
         for guard in hits:
             hits[guard] += driven(task, navigator(task, params=Params(guard=guard)), 60.0).status == "collided"
     assert hits[True] == 0
-    assert hits[False] >= 2
+    assert hits[False] >= 1
 
 
 def test_faulty_sensors_brake() -> None:

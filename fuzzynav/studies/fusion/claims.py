@@ -109,7 +109,7 @@ def pairs(given: tuple[str, ...], method: str) -> pd.DataFrame:
     found = []
     for name in given:
         rows = [placed_rows(name, planner).set_index("case") for planner in (method, "TDWA")]
-        joined = rows[0].join(rows[1], lsuffix="_ours", rsuffix="_theirs")
+        joined = rows[0].merge(rows[1], how="left", left_index=True, right_index=True, suffixes=("_ours", "_theirs"))
         found.append(joined[(joined["success_ours"] == 1) & (joined["success_theirs"] == 1)])
     return pd.concat(found)
 

@@ -6,6 +6,7 @@ of five runs, search and node removal together; everything else is the same on e
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -37,7 +38,7 @@ SEARCHES: dict[str, Options] = {
     "efficient": astar.EFFICIENT,
     "efficient8": replace(astar.EFFICIENT, five_directions=False),
     "enhanced10": _LOOSE,
-    "enhanced_e": replace(_LOOSE, log_base=float(np.e)),
+    "enhanced_e": replace(_LOOSE, log_base=math.e),
 }
 
 
