@@ -34,10 +34,13 @@ __all__ = [
     "PRINTED_TURN",
     "SETTINGS",
     "UNSEEN",
+    "best_of",
     "brake",
     "braking",
     "decide",
+    "end_heading",
     "is_blind",
+    "shared",
     "stopping",
     "window",
 ]  # fmt: skip
@@ -166,7 +169,7 @@ def window(v: float, omega: float, lim: Any, settings: Any) -> Array:
 
 
 @njit(cache=True)
-def _heading(v: float, omega: float, goal_x: float, goal_y: float, sim_time: float) -> float:
+def end_heading(v: float, omega: float, goal_x: float, goal_y: float, sim_time: float) -> float:
     """180 minus the angle [deg] between the final heading and the direction to the goal."""
     x, y, turn = arc(0.0, 0.0, 0.0, v, omega, sim_time)
     dx, dy = goal_x - x, goal_y - y
@@ -206,24 +209,34 @@ def is_blind(samples: Array, reasons: Reasons) -> bool:
 
 
 @njit(cache=True)
-def _choose(raw: Array, reasons: Reasons, samples: Array, weights: Array) -> tuple[Array, Array, int]:
-    """Shares of eq 3.21, totals of eq 3.17 and the index of the best admissible sample (-1: there is none)."""
-    n = samples.shape[0]
-    shares, totals = np.zeros((n, 3)), np.full(n, np.nan)
-    best, top = -1, -np.inf
-    for j in range(3):
+def shared(raw: Array, rated: NDArray[np.bool_], weights: Array) -> tuple[Array, Array]:
+    """Shares (eq 3.21) and totals (eq 3.17, 4.15) of the samples that are rated; 0 and nan for the others."""
+    n, terms = raw.shape
+    shares, totals = np.zeros((n, terms)), np.full(n, np.nan)
+    for j in range(terms):
         whole = 0.0
         for i in range(n):
-            whole += raw[i, j] if reasons[i] == ADMISSIBLE else 0.0
+            whole += raw[i, j] if rated[i] else 0.0
         for i in range(n):
-            if reasons[i] == ADMISSIBLE and whole > 0.0:
+            if rated[i] and whole > 0.0:
                 shares[i, j] = raw[i, j] / whole
     for i in range(n):
-        if reasons[i] == ADMISSIBLE:
-            totals[i] = weights[0] * shares[i, 0] + weights[1] * shares[i, 1] + weights[2] * shares[i, 2]
-            top = max(top, totals[i])
-    for i in range(n):
-        if reasons[i] != ADMISSIBLE or totals[i] < top - TIE:
+        if rated[i]:
+            totals[i] = 0.0
+            for j in range(terms):
+                totals[i] += weights[j] * shares[i, j]
+    return shares, totals
+
+
+@njit(cache=True)
+def best_of(totals: Array, samples: Array) -> int:
+    """Index of the greatest total, of equal ones the fastest and then the straightest; -1 where all are nan."""
+    top, best = -np.inf, -1
+    for i in range(totals.size):
+        if totals[i] > top:
+            top = totals[i]
+    for i in range(totals.size):
+        if not totals[i] >= top - TIE:
             continue
         if (
             best < 0
@@ -231,7 +244,7 @@ def _choose(raw: Array, reasons: Reasons, samples: Array, weights: Array) -> tup
             or (abs(samples[i, 0] - samples[best, 0]) <= TIE and abs(samples[i, 1]) < abs(samples[best, 1]) - TIE)
         ):
             best = i
-    return shares, totals, best
+    return best
 
 
 @njit(cache=True)
@@ -294,7 +307,7 @@ def _rate(
         ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3] = free, min(free, seen, unseen), end, need
         way = Way(stands, seen, unseen, end, need, struck)
         reasons[i] = _reason(v, omega, way, lim, settings, corners.shape[0] > 0)
-        raw[i, 0] = _heading(v, omega, gx, gy, settings.sim_time)
+        raw[i, 0] = end_heading(v, omega, gx, gy, settings.sim_time)
         clear = max(nearest, 0.0) if abs(v) <= STILL else free
         clear = 0.0 if abs(v) <= STILL and time < np.inf else clear
         raw[i, 1] = min(end if settings.at_end else clear, settings.d_max)
@@ -352,7 +365,8 @@ def decide(
     chart = Chart(values, frame[0], frame[1], frame[2])
     ground = _around(samples, pose, sensed, chart, corners, lim, chosen)
     raw, ways, reasons = _rate(samples, goal, ground, corners, lim, chosen)
-    shares, totals, best = _choose(raw, reasons, samples, weights)
+    shares, totals = shared(raw, reasons == ADMISSIBLE, weights)
+    best = best_of(totals, samples)
     return raw, ways, reasons, shares, totals, best, ground.nearest
 
 

@@ -14,7 +14,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from fuzzynav.dwa.contact import STILL, arc_contact, near_points
-from fuzzynav.dwa.kernels import SLACK, TIE, braking, stopping, window
+from fuzzynav.dwa.kernels import SLACK, best_of, braking, end_heading, shared, stopping, window
 from fuzzynav.fusion.evasion import EVASION, promises
 from fuzzynav.geometry import Array
 from fuzzynav.robot.kernels import LIMITS, arc
@@ -122,15 +122,6 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
 
 
 @njit(cache=True)
-def _heading(v: float, omega: float, target: Array, time: float) -> float:
-    """180 minus the angle [deg] between the heading after `time` and the direction from there to the target."""
-    x, y, turn = arc(0.0, 0.0, 0.0, v, omega, time)
-    dx, dy = target[0] - x, target[1] - y
-    c, s = np.cos(turn), np.sin(turn)
-    return 180.0 - abs(float(np.degrees(np.arctan2(c * dy - s * dx, c * dx + s * dy))))
-
-
-@njit(cache=True)
 def _reason(v: float, free: float, unseen: float, need: float, clear: bool) -> int:
     """Why a sample is refused; ADMISSIBLE if it is not. A disc that stands or turns in place touches nothing."""
     if abs(v) <= STILL:
@@ -164,7 +155,7 @@ def _rate(
         reasons[i] = _reason(v, free, unseen, need, clear)
         gap, first = least_gap(v, omega, ground.tracks, own.sim_time, 0.2, own.growth)
         ways[i, 0], ways[i, 1], ways[i, 2], ways[i, 3], ways[i, 4] = free, min(free, unseen), need, gap, first
-        raw[i, 0] = _heading(v, omega, target, own.aim_time)
+        raw[i, 0] = end_heading(v, omega, target[0], target[1], own.aim_time)
         raw[i, 1] = min(max(nearest, 0.0) if abs(v) <= STILL else free, own.d_max)
         raw[i, 2] = max(v, 0.0)
         raw[i, 3] = min(gap, own.d_max)
@@ -181,43 +172,6 @@ def _eligible(reasons: Reasons, contact: Array) -> NDArray[np.bool_]:
     for i in range(reasons.shape[0]):
         out[i] = reasons[i] == ADMISSIBLE and contact[i] >= top - LATE
     return out
-
-
-@njit(cache=True)
-def _choose(raw: Array, chosen: NDArray[np.bool_], samples: Array, weights: Array) -> tuple[Array, Array, int]:
-    """Shares of eq 3.21, totals of eq 4.15 and the index of the best eligible sample (-1: there is none)."""
-    n, terms = raw.shape
-    shares, totals = np.zeros((n, terms)), np.full(n, np.nan)
-    for j in range(terms):
-        whole = 0.0
-        for i in range(n):
-            whole += raw[i, j] if chosen[i] else 0.0
-        for i in range(n):
-            if chosen[i] and whole > 0.0:
-                shares[i, j] = raw[i, j] / whole
-    for i in range(n):
-        if chosen[i]:
-            totals[i] = np.dot(shares[i], weights)
-    return shares, totals, _best(totals, samples)
-
-
-@njit(cache=True)
-def _best(totals: Array, samples: Array) -> int:
-    """Index of the greatest total, of equal ones the fastest and then the straightest; -1 where all are nan."""
-    top, best = -np.inf, -1
-    for i in range(totals.size):
-        if totals[i] > top:
-            top = totals[i]
-    for i in range(totals.size):
-        if not totals[i] >= top - TIE:
-            continue
-        if (
-            best < 0
-            or samples[i, 0] > samples[best, 0] + TIE
-            or (abs(samples[i, 0] - samples[best, 0]) <= TIE and abs(samples[i, 1]) < abs(samples[best, 1]) - TIE)
-        ):
-            best = i
-    return best
 
 
 @njit(cache=True)
@@ -300,9 +254,9 @@ def decide(
         allowed, flight = (reasons == ADMISSIBLE) | (reasons == REACHABLE), evasion[0]
         stands, _ = near_points(pose, sensed[0], np.zeros(sensed[0].shape[0]), lim.radius, lim.v_high * flight.horizon)
         totals, ways[:, 4] = promises(samples, allowed, aim, stands, ground.tracks, lim, flight)
-        return samples, raw, ways, reasons, np.zeros(raw.shape), totals, _best(totals, samples)
-    shares, totals, best = _choose(raw, _eligible(reasons, ways[:, 4]), samples, weights)
-    return samples, raw, ways, reasons, shares, totals, best
+        return samples, raw, ways, reasons, np.zeros(raw.shape), totals, best_of(totals, samples)
+    shares, totals = shared(raw, _eligible(reasons, ways[:, 4]), weights)
+    return samples, raw, ways, reasons, shares, totals, best_of(totals, samples)
 
 
 def _warm() -> None:
