@@ -46,6 +46,7 @@ __all__ = ["METHODS", "PathFollower", "fitted_params", "ours", "path_of", "print
 
 SPEEDS, TURNS = 15, 31  # samples of a window: at most these, and zero
 BEST_FIXED = (0.2, 0.7, 0.1)  # of all fixed weights the best on the training maps of chapter 06
+MARGIN = 0.1  # [m] that the baselines keep beyond stopping; without it they wedge themselves beside obstacles
 OURS, PLANNING = DecisionParams(), Planning()
 STRAIGHT = Planning(patience=np.inf, wary=0.1)  # evading: no ways round movers, and room beside unproved ones
 LEAST_NOISE = 0.003  # [m] of a range: also a scanner without noise sees a disc as a polygon
@@ -133,7 +134,7 @@ def _rules(name: str) -> FuzzySystem:
 def _window(task: Task, rules: str | None = None) -> Window:
     """The window of chapter 06: braking along the arc, the best fixed weights or those of a rule base, recovery."""
     horizon = min(TABLE_3_3.sim_time, np.pi / task.robot.max_vel_theta)
-    params = fitted_params(replace(TABLE_3_3, weights=BEST_FIXED, sim_time=horizon), task.robot, task.dt)
+    params = fitted_params(replace(TABLE_3_3, weights=BEST_FIXED, sim_time=horizon, margin=MARGIN), task.robot, task.dt)
     weigh = None if rules is None else FuzzyWeights(_rules(rules), TABLE_3_3.weights)
     return Window(task.robot, params, weigh=weigh, stuck=RECOVERY)
 
