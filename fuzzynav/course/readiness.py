@@ -153,6 +153,8 @@ def _compiled(module: str) -> bool:
     if spec is None or spec.origin is None:
         return False
     path = Path(spec.origin)
+    if "njit" not in path.read_text(encoding="utf-8"):
+        return True  # it warms what others compile
     elsewhere = os.environ.get("NUMBA_CACHE_DIR")
     folder = Path(elsewhere) if elsewhere else path.parent / "__pycache__"
     return any(folder.rglob(f"{path.stem}.*.nbi"))

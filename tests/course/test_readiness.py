@@ -60,11 +60,11 @@ def test_missing_and_untested_packages_are_named():
 
 def test_kernels_that_are_not_compiled_are_named(tmp_path, monkeypatch):
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    cold = readiness.kernels(("fuzzynav.geometry",))
+    cold = readiness.kernels(("fuzzynav.control",))
     assert not cold.well
     assert "python -m fuzzynav.warm" in cold.words
-    (tmp_path / "geometry.f-1.py311.nbi").write_text("")
-    assert readiness.kernels(("fuzzynav.geometry",)).well
+    (tmp_path / "control.f-1.py311.nbi").write_text("")
+    assert readiness.kernels(("fuzzynav.control",)).well
     assert not readiness.kernels(("fuzzynav.no_such_module",)).well
 
 
