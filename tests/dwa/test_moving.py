@@ -121,7 +121,7 @@ def test_contact_agrees_with_dense_sampling(seed: int, brakes: bool, square: boo
         near = gaps(v, omega, row, drift, times, hold, loss, corners)
         assert near[:-1].min() > -1e-5 or found == 0.0
         if found < np.inf and found > 0.0:
-            assert near[-1] == pytest.approx(0.0, abs=1e-3)  # early where steps do not settle, never late
+            assert -1e-5 < near[-1] < 1e-3  # early where its steps do not settle, never late
 
 
 @settings(max_examples=60, deadline=None)
