@@ -22,4 +22,4 @@ def evidence_after(evidence, ended, crossed):
     return min(max(evidence - crossed, 0) + 3 * ended, 9)
 
 # %% 07a.5
-block = 5.6, 6.4  # x, y of its centre [m]
+block = 5.1, 6.4  # x, y of its centre [m]

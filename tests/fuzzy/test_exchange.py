@@ -92,7 +92,8 @@ def test_no_warning_reaches_the_reader(recwarn: pytest.WarningsRecorder) -> None
     system = FuzzySystem.load(DATA / "thesis_table_3_2.fll")
     answer(system.to_skfuzzy(), [20.0, 90.0], 3.5, 0.4)
     FuzzySystem.from_skfuzzy(system.to_skfuzzy())
-    assert [str(w.message) for w in recwarn.list] == []
+    gone = ResourceWarning  # sockets of other tests, closed by the garbage collection whenever it comes
+    assert [str(w.message) for w in recwarn.list if not issubclass(w.category, gone)] == []
 
 
 def test_a_silent_rule_base_gives_nan_and_no_stale_answer() -> None:

@@ -104,9 +104,9 @@ RIGHT = {
         "sympy": lambda n, ended, crossed: sympy.Min(sympy.Max(n - crossed, 0) + 3 * ended, 9),
     },
     "07a.5": {
-        "a tuple": (5.6, 6.3),
-        "a list": [5.6, 6.4],
-        "an array": np.array([[5.6], [6.3]]),
+        "a tuple": (5.1, 6.4),
+        "a list": [5.0, 6.4],
+        "an array": np.array([[5.1], [6.5]]),
     },
 }
 
