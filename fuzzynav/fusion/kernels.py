@@ -100,24 +100,31 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
     if tracks.shape[0] == 0:
         return least, first
     parts = max(int(np.ceil(horizon / step - 1e-9)), 1)
-    x0 = y0 = 0.0
+    span = horizon / parts
+    half = 0.5 * omega * span
+    chord = v * span * (np.sin(half) / half if abs(half) > 1e-9 else 1.0)
+    c, s, turn_c, turn_s = np.cos(half), np.sin(half), np.cos(2.0 * half), np.sin(2.0 * half)
+    x = y = 0.0
     for p in range(parts):
-        begin, end = p * horizon / parts, (p + 1) * horizon / parts
-        x1, y1, _ = arc(0.0, 0.0, 0.0, v, omega, end)
+        begin, way_x, way_y = p * span, chord * c, chord * s
         for i in range(tracks.shape[0]):
-            ax, ay = tracks[i, 0] + begin * tracks[i, 2] - x0, tracks[i, 1] + begin * tracks[i, 3] - y0
-            dx, dy = tracks[i, 0] + end * tracks[i, 2] - x1 - ax, tracks[i, 1] + end * tracks[i, 3] - y1 - ay
-            squared = dx * dx + dy * dy
-            u = min(max(-(ax * dx + ay * dy) / squared, 0.0), 1.0) if squared > 0.0 else 0.0
-            at = begin + u * (end - begin)
-            doubt = min(growth, np.hypot(tracks[i, 2], tracks[i, 3])) * at
-            gap = np.hypot(ax + u * dx, ay + u * dy) - tracks[i, 4] - doubt
+            ax, ay = tracks[i, 0] + begin * tracks[i, 2] - x, tracks[i, 1] + begin * tracks[i, 3] - y
+            dx, dy = span * tracks[i, 2] - way_x, span * tracks[i, 3] - way_y
+            along, squared = -(ax * dx + ay * dy), dx * dx + dy * dy
+            u = 0.0 if along <= 0.0 else (1.0 if along >= squared else along / squared)
+            near = (ax + u * dx) ** 2 + (ay + u * dy) ** 2
+            doubt = min(growth, np.sqrt(tracks[i, 2] ** 2 + tracks[i, 3] ** 2))
+            at = begin + u * span
+            kept = tracks[i, 4] + doubt * at
+            if near > (max(least, 0.0) + kept) ** 2:
+                continue
+            gap = np.sqrt(near) - kept
             least = min(least, gap)
             if gap <= 0.0:
                 first = min(first, at)
         if first < np.inf:
             break
-        x0, y0 = x1, y1
+        x, y, c, s = x + way_x, y + way_y, turn_c * c - turn_s * s, turn_s * c + turn_c * s
     return max(least, 0.0), first
 
 

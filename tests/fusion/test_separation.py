@@ -85,6 +85,7 @@ def test_the_arc_condition_agrees_with_dense_sampling(data: st.DataObject) -> No
     robot = data.draw(st.sampled_from([*FOUR, *ROBOTS.values()]))
     bound = data.draw(st.floats(0.0, 1.0))
     v = data.draw(st.floats(-1.0, 1.0)) * robot.max_vel_x
+    v = v if abs(v) > 1e-6 else 0.0  # less than a nm/s counts as standing: sooner here than where it brakes to the end
     sample = np.array([v, data.draw(st.floats(-1.0, 1.0)) * robot.max_vel_theta])
     hazards = np.array(
         [
