@@ -10,7 +10,7 @@ PACKAGE = Path(__file__).resolve().parent
 
 
 def folder(name: str) -> Path:
-    """The folder of one kind of data: maps, fuzzy, published, results or logs.
+    """The folder of one kind of data: maps, fuzzy, published, results, logs or benchmarks.
 
     Raises FileNotFoundError if there is no such folder.
 

@@ -29,7 +29,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog=f"planners of the course: {', '.join(map(repr, names()))}",
     )
     parser.add_argument("set", help=f"{', '.join(SETS)}")
-    parser.add_argument("folder", nargs="?", help="of BARN and DynaBARN: their files, or a checkout of the repository")
+    parser.add_argument("folder", nargs="?", help="of BARN and DynaBARN, files or a checkout (default: the course's)")
     parser.add_argument("--method", nargs="+", required=True, metavar="NAME", help="planners, or module:object")
     parser.add_argument("--cases", type=int, help="how many tasks (default: all, of scenes 100)")
     parser.add_argument("--seed", type=int, default=0, help="of the first scene, elsewhere of the scanner's noise")
@@ -53,8 +53,6 @@ def _tasks(asked: argparse.Namespace) -> TaskSet:
     for name in WORLDS_ONLY if asked.set == "scenes" else SCENES_ONLY:
         if name in given:
             raise ValueError(f"{name.replace('_', '-')} does not belong to {asked.set}: leave it out")
-    if asked.set != "scenes" and asked.folder is None:
-        raise ValueError(f"name the folder of {asked.set}: its files, or a checkout of the repository")
     return tasks
 
 

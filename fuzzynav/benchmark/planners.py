@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import cast
 
-from fuzzynav.benchmark.guests import GUESTS
+from fuzzynav.fusion.guests import GUESTS
 from fuzzynav.fusion.methods import METHODS
 from fuzzynav.fusion.task import Method
 

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from fuzzynav.batch import code_of
+from fuzzynav.data import folder
 from fuzzynav.fusion import barn
 from fuzzynav.fusion.scenes import ROBOTS, scene_task
 from fuzzynav.fusion.task import Task
@@ -30,7 +31,7 @@ class TaskSet:
     """
 
     kind: str = "scenes"
-    folder: str = ""  # of BARN and DynaBARN
+    folder: str = ""  # of BARN and DynaBARN; by default the one that travels with the course
     robot: str = "turtlebot2"  # of scenes
     ideal: bool = False  # the planner is told where the movers are
     courteous: bool = False  # movers of scenes stop before a robot that stands
@@ -51,7 +52,12 @@ class TaskSet:
 
     def lacking(self) -> str:
         """Why the tasks are not there; empty where they are."""
-        return "" if self.kind == "scenes" else barn.lacking(self.folder, self.kind)
+        return "" if self.kind == "scenes" else barn.lacking(self.home, self.kind)
+
+    @property
+    def home(self) -> str:
+        """The folder of the worlds."""
+        return self.folder or str(folder("benchmarks"))
 
     def items(self, count: int | None = None) -> tuple[str, ...]:
         """The first `count` tasks; all there are by default, of scenes a hundred."""
@@ -69,9 +75,9 @@ class TaskSet:
         if self.kind == "scenes":
             return scene_task(int(item), robot=ROBOTS[self.robot], ideal=self.ideal, courteous=self.courteous)
         if self.kind == "barn":
-            return replace(barn.static_task(self.folder, int(item), top_speed=self.top_speed), ideal=self.ideal)
+            return replace(barn.static_task(self.home, int(item), top_speed=self.top_speed), ideal=self.ideal)
         number, phase = (int(part) for part in item.split("."))
-        return barn.dynamic_task(self.folder, number, phase, top_speed=self.top_speed, ideal=self.ideal)
+        return barn.dynamic_task(self.home, number, phase, top_speed=self.top_speed, ideal=self.ideal)
 
     def noise(self, item: str) -> int:
         """The seed of a task's run."""

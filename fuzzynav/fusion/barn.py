@@ -32,7 +32,6 @@ from fuzzynav.simulate.record import DAMAGED
 from fuzzynav.world import Mover, World
 
 __all__ = [
-    "DWA_AS_PROMISED",
     "PHASES",
     "dynamic_task",
     "jackal",
@@ -62,7 +61,6 @@ UTM = Laser(beams=720, field_of_view=np.radians(270.0), range_min=0.0, range_max
 PROTOCOL_LOOP = Loop(goal_tolerance=1.0, stall_time=np.inf, end_when_struck=True)  # their only other ending is the time
 T_MAX = 100.0  # [s]
 TOP = 2.0  # [m/s] at which the score's best time is driven
-DWA_AS_PROMISED = {"success": 0.88, "metric": 0.1693}  # of move_base's DWA, by the repository's README
 MODEL = re.compile(r"<model\b.*?</model>", re.S)
 POSE = re.compile(r"<pose[^>]*>\s*(\S+)\s+(\S+)")
 RADIUS = re.compile(r"<cylinder>.*?<radius>\s*([^<\s]+)", re.S)

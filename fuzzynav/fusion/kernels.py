@@ -90,6 +90,14 @@ def stays_clear(
 
 
 @njit(cache=True)
+def _nearest(x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
+    """Share of a straight way from (x, y) by (dx, dy) where it is nearest to the origin, and that distance squared."""
+    along, squared = -(x * dx + y * dy), dx * dx + dy * dy
+    u = 0.0 if along <= 0.0 else (1.0 if along >= squared else along / squared)
+    return u, (x + u * dx) ** 2 + (y + u * dy) ** 2
+
+
+@njit(cache=True)
 def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float, growth: float) -> tuple[float, float]:
     """Least gap [m] to movers that keep their velocity while v is held, and when [s] the first contact is; inf: none.
 
@@ -109,15 +117,12 @@ def least_gap(v: float, omega: float, tracks: Array, horizon: float, step: float
         begin, way_x, way_y = p * span, chord * c, chord * s
         for i in range(tracks.shape[0]):
             ax, ay = tracks[i, 0] + begin * tracks[i, 2] - x, tracks[i, 1] + begin * tracks[i, 3] - y
-            dx, dy = span * tracks[i, 2] - way_x, span * tracks[i, 3] - way_y
-            along, squared = -(ax * dx + ay * dy), dx * dx + dy * dy
-            u = 0.0 if along <= 0.0 else (1.0 if along >= squared else along / squared)
-            near = (ax + u * dx) ** 2 + (ay + u * dy) ** 2
+            u, near = _nearest(ax, ay, span * tracks[i, 2] - way_x, span * tracks[i, 3] - way_y)
             doubt = min(growth, np.sqrt(tracks[i, 2] ** 2 + tracks[i, 3] ** 2))
             at = begin + u * span
             kept = tracks[i, 4] + doubt * at
             if near > (max(least, 0.0) + kept) ** 2:
-                continue
+                continue  # cannot come nearer than the least so far
             gap = np.sqrt(near) - kept
             least = min(least, gap)
             if gap <= 0.0:

@@ -191,7 +191,6 @@ def test_a_planner_that_does_not_repeat_is_found_out(tmp_path):
         (["scenes", "--method", "TDWA", "--robot", "tank"], "the robot is one of thesis, turtlebot2, got 'tank'"),
         (["scenes", "--method", "TDWA", "--top-speed", "1"], "top-speed does not belong to scenes"),
         (["scenes", "somewhere", "--method", "TDWA"], "folder does not belong to scenes"),
-        (["barn", "--method", "TDWA"], "name the folder of barn"),
         (["barn", "here", "--method", "TDWA", "--courteous"], "courteous does not belong to barn"),
         (["barn", "here", "--method", "TDWA", "--part", "best"], "the part is one of held-out, tuning, all"),
         (["barn", "here", "--method", "TDWA", "--top-speed", "nan"], "positive top speed"),

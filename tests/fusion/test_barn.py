@@ -1,17 +1,16 @@
-"""BARN as tasks: worlds read from either form, the protocol's numbers, the score, the published runs.
-
-The files themselves are not part of the course; small ones of the same form are written here. Whoever has the real
-ones runs `BARN_FOLDER=... pytest tests/fusion/barn_real.py`.
-"""
+"""BARN as tasks: worlds read from either form, the protocol's numbers, the score, the published runs."""
 
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzynav.control import Controller
+from fuzzynav.data import folder
+from fuzzynav.documents import claim
 from fuzzynav.fusion import barn
 from fuzzynav.fusion.protocol import measure
 from tests.fusion.barn_files import write_barn
@@ -212,3 +211,31 @@ def test_published_runs_of_either_form(packed, checkout):
     found = barn.outcome(table)
     assert (found["success"], found["contact"], found["late"]) == (0.5, 0.5, 0.0)
     assert found["metric"] == pytest.approx(0.5 * 5.0 / 12.5)
+
+
+# --- the files themselves -----------------------------------------------------------------------
+
+REAL = folder("benchmarks")
+
+
+def test_the_published_file_contradicts_what_is_promised_beside_it():
+    found = barn.outcome(barn.published_runs(REAL))
+    assert {k: round(v, 4) for k, v in found.items()} == {
+        "success": 0.85, "contact": 0.056, "late": 0.094, "metric": 0.1586}  # fmt: skip
+    assert found["success"] < claim("barn:c-dwa-success").value
+    assert found["metric"] < claim("barn:c-dwa-metric").value
+
+
+def test_every_world_of_the_benchmark_can_begin():
+    discs = sum(len(barn.static_task(REAL, n).world.discs) for n in range(300))
+    assert discs == 78_925
+    movers = 0
+    for n in range(60):
+        tasks = [barn.dynamic_task(REAL, n, phase) for phase in range(barn.PHASES)]
+        assert [t.name.split("from ")[1] for t in tasks] == [
+            f"{3.0 * k:.1f} s" for k in range(10)
+        ]  # no start is touched
+        assert 0.85 < tasks[0].speed_bound < 2.0
+        movers += len(tasks[0].world.movers)
+    assert movers == 963
+    assert isinstance(barn.published_runs(REAL), pd.DataFrame)

@@ -19,6 +19,7 @@ from fuzzynav.simulate.record import Run
 from fuzzynav.studies.fusion import placements, settings
 from fuzzynav.studies.fusion.placements import MAPS
 from fuzzynav.studies.fusion.scenes import SCENE_STUDIES
+from fuzzynav.studies.fusion.worlds import PROMISED, WORLD_STUDIES
 from fuzzynav.studies.reproduction import Interval, Measured, Reproduction
 from fuzzynav.studies.study import Study
 
@@ -267,6 +268,7 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
         beside=_calm_words,
         holds_for=_calm_pairs,
     ),
+    *PROMISED,
 )
 
 _CLOSE = {"": (2e-3, 2e-3)}  # rows are rounded to the millimetre
@@ -282,4 +284,5 @@ STUDIES: tuple[Study, ...] = (
         tolerance=_CLOSE, parameters={"seeds": f"0 to {placements.PLACEMENTS - 1}", "seconds": placements.TIME_LIMIT},
     ),
     *SCENE_STUDIES,
+    *WORLD_STUDIES,
 )  # fmt: skip
