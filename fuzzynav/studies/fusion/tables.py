@@ -50,7 +50,7 @@ def braking() -> pd.DataFrame:
 
 
 def step_times() -> pd.DataFrame:
-    """Median and 99th percentile [ms] of a step of each planner: the medians of ten scenes, on the machine of the study."""
+    """Median and 99th percentile [ms] of a step of each planner, medians of ten scenes, on the machine of the study."""
     table = stored("fusion_times")
     named = table["planner"].where(table["movers"] == "yield", table["planner"] + ", from scans")
     return table.assign(method=named).groupby("method", sort=False)[list(TIMED)].median().reset_index()
