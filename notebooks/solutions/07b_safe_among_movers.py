@@ -1,9 +1,11 @@
 # Solutions of chapter 07b: each block replaces the cell of its exercise.
 
 # %% 07b.1
-def separation(v, V, b, e, A):
-    """Distance [m] from which a robot of speed v [m/s] is passively safe; b, A [m/s^2], e [s], V [m/s]."""
-    return v**2 / (2 * b) + V * v / b + (A / b + 1) * (A / 2 * e**2 + e * (v + V))
+def fastest(d, V, b, e, A):
+    """Greatest safe speed [m/s] with a walker d [m] away; b, A [m/s^2], e [s], V [m/s]."""
+    k = A / b + 1
+    bend, rest = V / b + k * e, d - k * (A / 2 * e**2 + e * V)
+    return b * (np.sqrt(bend**2 + 2 * rest / b) - bend) if rest > 0 else 0.0
 
 # %% 07b.2
 covered = 0.2 * 3.0

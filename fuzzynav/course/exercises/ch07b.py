@@ -1,4 +1,4 @@
-"""Exercises of chapter 07b: separation, horizon, what the guarantee promises, a walker who turns, who is who."""
+"""Exercises of chapter 07b: the fastest safe speed, horizon, what is promised, a walker who turns, who is who."""
 
 from __future__ import annotations
 
@@ -29,38 +29,47 @@ LONE_PREDICTION = Params(guard=False)  # where movers are if they go on as now, 
 # --- 07b.1
 
 
-def _check_separation(answer: Function) -> str:
-    """Seeded speeds, bounds, brakes and periods."""
+def _fastest(need: Array, bend: Array, brake: Array) -> Array:
+    """The root v >= 0 of v^2/2b + bend v = need; 0 where there is none."""
+    return np.asarray(np.maximum(brake * (np.sqrt(np.maximum(bend**2 + 2 * need / brake, 0.0)) - bend), 0.0))
+
+
+def _check_fastest(answer: Function) -> str:
+    """Seeded distances, bounds, brakes and periods; in the second row a walker is nearer than any speed allows."""
     rng = np.random.default_rng(71)
-    rows = [[0.5, 0.5, 0.2, 0.1, 0.2], *rng.uniform([0.1, 0.1, 0.2, 0.05, 0.3], [1, 2, 3, 0.3, 3], (20, 5)).tolist()]
-    told = np.array([number(answer(*row), "The separation") for row in rows])
-    v, bound, brake, dt, gain = np.array(rows).T
-    stop, walked = v**2 / (2 * brake), bound * v / brake
-    period = (gain / brake + 1.0) * (0.5 * gain * dt**2 + dt * (v + bound))
-    if close(told, stop + walked + period):
-        return (
-            "At 0.5 m/s, thesis's brakes and V = 0.5 m/s that is 2.08 m; the robot's own way to a stop is 0.62 m of it."
-        )
+    rows = [[2.0, 0.5, 0.2, 0.1, 0.2], [0.05, 0.5, 0.2, 0.1, 0.2]]
+    rows += rng.uniform([0.5, 0.1, 0.2, 0.05, 0.3], [8, 2, 3, 0.15, 3], (20, 5)).tolist()
+    told = np.array([number(answer(*row), "The speed") for row in rows])
+    away, bound, brake, dt, gain = np.array(rows).T
+    more = gain / brake + 1.0
+    fixed, bend = more * (0.5 * gain * dt**2 + dt * bound), bound / brake + more * dt
+    right = _fastest(away - fixed, bend, brake)
+    if close(told, right):
+        return f"2 m from a walker the thesis's robot may drive {right[0]:.2f} m/s; nearer than {fixed[0]:.2f} m, none."
+    spread = np.sqrt(np.maximum(bend**2 + 2 * (away - fixed) / brake, 0.0))
     named(
         told,
-        (stop + walked, "Between two decisions the robot may still speed up: the last term is missing."),
-        (stop + period, "While the robot brakes, for v/b, a walker goes on at V: that way is missing."),
-        (walked + period, "The robot's own way to a stop, v²/2b, is missing."),
-        (2.0 * stop + walked + period, "From v the robot stops within v²/2b, half of v²/b."),
-        (stop + bound * dt + period, "A walker goes on until the robot stands, for v/b, not for one period only."),
         (
-            stop + walked + 0.5 * gain * dt**2 + dt * (v + bound),
+            brake * (spread - bend),
+            "Nearer than what one period alone needs, no speed is safe: there the answer is 0, not below it.",
+        ),
+        (-brake * (spread + bend), "The other root is below 0."),
+        (np.sqrt(2 * brake * away), "From that speed it stops in time for a walker who stands: V is missing."),
+        (_fastest(away, bound / brake, brake), "Between two decisions the robot may speed up: the period is missing."),
+        (
+            _fastest(away - 0.5 * gain * dt**2 - dt * bound, bound / brake + dt, brake),
             "What is gained in a period must be braked away again: the factor A/b + 1 is missing.",
         ),
+        (_fastest(away - fixed, more * dt, brake), "While the robot brakes, for v/b, a walker goes on at V."),
         (
-            stop + walked + (gain / brake + 1.0) * (0.5 * gain * dt**2 + dt * v),
-            "In the period the walker goes on too: v + V, not v.",
+            _fastest(away - more * 0.5 * gain * dt**2, bend, brake),
+            "In the period the walker goes on too: V belongs to it.",
         ),
     )
-    k = int(np.argmax(np.abs(told - stop - walked - period)))
+    k = int(np.argmax(np.abs(told - right)))
     raise Wrong(
-        f"At v = {v[k]:.2f}, V = {bound[k]:.2f}, b = {brake[k]:.2f}, A = {gain[k]:.2f} and a period of {dt[k]:.2f} the "
-        f"separation is {stop[k]:.3f} + {walked[k]:.3f} + {period[k]:.3f} m, not {told[k]:.3f} m."
+        f"At d = {away[k]:.2f}, V = {bound[k]:.2f}, b = {brake[k]:.2f}, A = {gain[k]:.2f} and a period of {dt[k]:.2f} "
+        f"s(v) = d at v = {right[k]:.3f} m/s; yours is {told[k]:.3f} m/s."
     )
 
 
@@ -204,13 +213,14 @@ def _check_assign(answer: Function) -> str:
 EXERCISES: tuple[Exercise, ...] = (
     Exercise(
         "07b.1",
-        "The separation by hand",
+        "The fastest safe speed",
         2,
         (
-            "Three parts: the robot's way to a stop, what the walker walks while it brakes, and one period before.",
-            "In the period e both come nearer by (v + V) e + A e²/2, and braking away the gain costs A/b times that.",
+            "Set s(v) = d and sort by powers of v: a quadratic equation.",
+            "v²/2b + (V/b + k e) v + k (A e²/2 + e V) - d = 0 with k = A/b + 1; one root is the answer, if it is not "
+            "below 0.",
         ),
-        _check_separation,
+        _check_fastest,
     ),
     Exercise(
         "07b.2",

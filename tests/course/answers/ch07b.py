@@ -10,22 +10,46 @@ from scipy.optimize import linear_sum_assignment
 # --- 07b.1
 
 
-def parts(v, bound, brake, dt, gain):
-    """The way to a stop, what the walker walks meanwhile, and one period."""
-    return v**2 / (2 * brake), bound * v / brake, (gain / brake + 1) * (gain * dt**2 / 2 + dt * (v + bound))
+def terms(away, bound, brake, dt, gain):
+    """What the separation needs without v, with v, and with v^2."""
+    more = gain / brake + 1
+    return more * (gain * dt**2 / 2 + dt * bound) - away, bound / brake + more * dt, 1 / (2 * brake)
 
 
-def by_motion(v, bound, brake, dt, gain):
-    """Drive a period at full gain, then brake to a stop: both ways and both times, added up."""
-    fast = v + gain * dt
-    way = v * dt + gain * dt**2 / 2 + fast**2 / (2 * brake)
-    return way + bound * (dt + fast / brake)
+def root(need, bend, brake):
+    return max(brake * (np.sqrt(bend**2 + 2 * need / brake) - bend), 0.0) if need > 0 else 0.0
+
+
+def by_formula(away, bound, brake, dt, gain):
+    c, b, _ = terms(away, bound, brake, dt, gain)
+    return root(-c, b, brake)
+
+
+def by_halves(away, bound, brake, dt, gain):
+    """Bisection on the motion itself: a period at full gain, then braking, and a walker who comes all the time."""
+    low, high = 0.0, 50.0
+    for _ in range(80):
+        v = (low + high) / 2
+        fast = v + gain * dt
+        need = v * dt + gain * dt**2 / 2 + fast**2 / (2 * brake) + bound * (dt + fast / brake)
+        low, high = (v, high) if need <= away else (low, v)
+    return low
+
+
+def by_roots(*given):
+    c, b, a = terms(*given)
+    return max(0.0, *np.roots([a, b, c]).real)
 
 
 def by_sympy(*given):
-    v, bound, brake, dt, gain = sympy.symbols("v V b e A", positive=True)
-    whole = v**2 / (2 * brake) + bound * v / brake + (gain / brake + 1) * (gain / 2 * dt**2 + dt * (v + bound))
-    return whole.subs(dict(zip((v, bound, brake, dt, gain), given, strict=True)))
+    v = sympy.symbols("v", real=True)
+    c, b, a = (sympy.Float(float(t), 30) for t in terms(*given))
+    return max([0, *sympy.Poly(a * v**2 + b * v + c, v).nroots()], key=lambda r: r.as_real_imag()[0] if r != 0 else 0)
+
+
+def quadratic(sign, *given):
+    c, b, a = terms(*given)
+    return (-b + sign * np.sqrt(max(b * b - 4 * a * c, 0.0))) / (2 * a)
 
 
 # --- 07b.5
@@ -71,9 +95,10 @@ def dearest(cost):
 
 RIGHT = {
     "07b.1": {
-        "the sum": lambda *given: sum(parts(*given)),
-        "by motion": by_motion,
-        "an array of one": lambda *given: np.array([sum(parts(*given))]),
+        "the formula": by_formula,
+        "bisection of the motion": by_halves,
+        "an array of one": lambda *given: np.array([by_formula(*given)]),
+        "numpy's roots": by_roots,
         "sympy": by_sympy,
     },
     "07b.2": {
@@ -102,24 +127,26 @@ RIGHT = {
 
 WRONG = {
     "07b.1": {
-        "no period": (lambda *given: sum(parts(*given)[:2]), "the last term is missing"),
-        "no walker": (lambda *given: parts(*given)[0] + parts(*given)[2], "that way is missing"),
-        "no stop": (lambda *given: sum(parts(*given)[1:]), "v²/2b, is missing"),
-        "twice the stop": (lambda *given: sum(parts(*given)) + parts(*given)[0], "half of v²/b"),
-        "walker for a period": (
-            lambda v, bound, brake, dt, gain: sum(parts(v, bound, brake, dt, gain)) - bound * v / brake + bound * dt,
-            "not for one period only",
-        ),
+        "below zero": (lambda *given: quadratic(1.0, *given), "there the answer is 0"),
+        "the other root": (lambda *given: quadratic(-1.0, *given), "is below 0."),
+        "a walker who stands": (lambda d, bound, b, dt, gain: np.sqrt(2 * b * d), "V is missing"),
+        "no period": (lambda d, bound, b, dt, gain: root(d, bound / b, b), "the period is missing"),
         "no factor": (
-            lambda v, bound, b, dt, gain: v**2 / (2 * b) + bound * v / b + gain * dt**2 / 2 + dt * (v + bound),
+            lambda d, bound, b, dt, gain: root(d - gain * dt**2 / 2 - dt * bound, bound / b + dt, b),
             "the factor A/b + 1",
         ),
-        "walker rests": (
-            lambda v, bound, b, dt, gain: v**2 / (2 * b) + bound * v / b + (gain / b + 1) * (gain * dt**2 / 2 + dt * v),
-            "v + V, not v",
+        "walker rests while it brakes": (
+            lambda d, bound, b, dt, gain: root(-terms(d, bound, b, dt, gain)[0], (gain / b + 1) * dt, b),
+            "a walker goes on at V",
         ),
-        "one percent": (lambda *given: 1.01 * sum(parts(*given)), "the separation is"),
-        "three parts": (parts, "yours holds three"),
+        "walker rests in the period": (
+            lambda d, bound, b, dt, gain: root(
+                d - (gain / b + 1) * gain * dt**2 / 2, terms(d, bound, b, dt, gain)[1], b
+            ),
+            "V belongs to it",
+        ),
+        "the separation": (lambda d, bound, b, dt, gain: sum(terms(0.0, bound, b, dt, gain)), "s(v) = d at"),
+        "three parts": (terms, "yours holds three"),
     },
     "07b.2": {
         "the top speed": (1.0, "two more than the prediction"),
