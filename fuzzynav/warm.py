@@ -38,6 +38,7 @@ MODULES: tuple[str, ...] = (
     "fuzzynav.planning.kernels",
     "fuzzynav.planning.openlist",
     "fuzzynav.planning.visibility",
+    "fuzzynav.potential.kernels",
     "fuzzynav.robot.kernels",
     "fuzzynav.simulate.kernels",
     "fuzzynav.tracking.kernels",
