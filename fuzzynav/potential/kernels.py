@@ -10,13 +10,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from fuzzynav.fuzzy.engine import infer_one
 from fuzzynav.geometry import Array
 
 __all__ = [
     "COLLIDED", "ESCAPE", "GAINS", "LOCAL_MINIMUM", "REACHED", "TIMEOUT", "WALK", "Escaping", "force", "forces",
-    "gap_to", "walk",
+    "gap_to", "gaps", "walk",
 ]  # fmt: skip
 
 REACHED, COLLIDED, LOCAL_MINIMUM, TIMEOUT = range(4)
@@ -91,6 +92,17 @@ def gap_to(x: float, y: float, row: Array, radius: float) -> tuple[float, float,
 
 
 @njit(cache=True)
+def gaps(xs: Array, ys: Array, obstacles: Array, radius: float) -> Array:
+    """Least gap [m] of a disc at every point of a lattice, as [row of ys, column of xs]."""
+    out = np.full((ys.size, xs.size), np.inf)
+    for j in range(ys.size):
+        for i in range(xs.size):
+            for k in range(obstacles.shape[0]):
+                out[j, i] = min(out[j, i], gap_to(xs[i], ys[j], obstacles[k], radius)[0])
+    return out
+
+
+@njit(cache=True)
 def force(
     x: float, y: float, goal: Array, obstacles: Array, radius: float, gains: Any
 ) -> tuple[float, float, float, float]:
@@ -156,7 +168,7 @@ def _virtual(x: float, y: float, goal: Array, size: float, was: Escaping, tables
 @njit(cache=True)
 def walk(
     start: Array, goal: Array, obstacles: Array, radius: float, gains: Any, settings: Any, escape: Any
-) -> tuple[Array, int, Array]:
+) -> tuple[Array, int, NDArray[np.int64]]:
     """Places `(m, 2)`, how it ended, and the iterations at which it was trapped.
 
     escape: one ESCAPE record in an array and the tables of a rule base; an empty array where a trap ends the walk.
@@ -200,5 +212,6 @@ def _warm() -> None:
     own = np.array([(0.01, 0.1, 10, 5, 0.1, True)], dtype=WALK)
     target, rows = np.array([8.0, 8.0]), np.array([[4.0, 4.1, 4.0, 4.1, 0.0]])
     forces(np.zeros((1, 2)), target, rows, 0.0, gains)
+    gaps(target, target, rows, 0.0)
     none = np.empty(0, dtype=ESCAPE)
     walk(np.zeros(2), target, rows, 0.0, gains, own, (none, flat))
