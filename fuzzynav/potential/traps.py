@@ -62,9 +62,7 @@ def solvable(obstacles: Array, start: Array, goal: Array, radius: float) -> bool
     xs, ys = (np.arange(low[k], high[k] + LATTICE, LATTICE) for k in (0, 1))
     free = kernels.gaps(xs, ys, obstacles, radius) > 0.5 * LATTICE
     regions, _ = ndimage.label(free)
-    cells = [
-        regions[int(round((p[1] - low[1]) / LATTICE)), int(round((p[0] - low[0]) / LATTICE))] for p in (start, goal)
-    ]
+    cells = [regions[tuple(np.round((p[::-1] - low[::-1]) / LATTICE).astype(int))] for p in (start, goal)]
     return bool(cells[0] > 0 and cells[0] == cells[1])
 
 
