@@ -71,8 +71,8 @@ ESCAPE = np.dtype(
 class Escaping(NamedTuple):
     """A virtual target that stands for some iterations, and what is remembered of the traps before."""
 
-    fx: float
-    fy: float
+    angle: float  # [rad]
+    pull: float  # k rho of eq 11
     left: int  # iterations
     traps: int  # without progress
     best: float  # [m] least distance to the goal at a trap
@@ -159,10 +159,8 @@ def _virtual(x: float, y: float, goal: Array, size: float, was: Escaping, tables
     said = np.empty(2)
     infer_one(tables, np.array([min(size / own.strong, 1.0), min(d / own.far, 1.0)]), said)
     side = -1.0 if own.turns and traps % 2 == 1 else 1.0
-    at = side * own.angle * said[0] + (np.arctan2(dy, dx) if own.goalward else 0.0)
-    pull = own.gain * said[1] * own.radius
     hold = int(own.hold * own.growth**traps)
-    return Escaping(pull * np.cos(at), pull * np.sin(at), hold, traps + 1, best)
+    return Escaping(side * own.angle * said[0], own.gain * said[1] * own.radius, hold, traps + 1, best)
 
 
 @njit(cache=True)
@@ -192,9 +190,9 @@ def walk(
                     return places[: k + 1], LOCAL_MINIMUM, trapped[:count]
                 state = _virtual(x, y, goal, np.sqrt(fx * fx + fy * fy), state, tables, escape[0][0])
         if state.left > 0:
-            fx, fy = fx + state.fx, fy + state.fy
-            since = k + 1
-            state = Escaping(state.fx, state.fy, state.left - 1, state.traps, state.best)
+            at = state.angle + (np.arctan2(goal[1] - y, goal[0] - x) if escape[0][0].goalward else 0.0)
+            fx, fy, since = fx + state.pull * np.cos(at), fy + state.pull * np.sin(at), k + 1
+            state = Escaping(state.angle, state.pull, state.left - 1, state.traps, state.best)
         places[k + 1, 0], places[k + 1, 1] = _next(x, y, fx, fy, own)
     end = places[own.most]
     near = np.sqrt((goal[0] - end[0]) ** 2 + (goal[1] - end[1]) ** 2) <= own.tolerance
