@@ -29,7 +29,7 @@ __all__ = [
 ]  # fmt: skip
 
 FIRST = 20_000  # no scene from this one on was looked at before the planners were fixed
-SEEDS, SOME = 1000, 300  # scenes of our planner, and of all that stands beside it
+SEEDS, SOME = 1000, 300  # scenes of every planner, and of what stands beside them
 FEW = 100  # scenes of each ingredient and of each brake
 BRAKES = (0.2, 0.3, 0.5, 0.8, 1.2, 1.8, 2.5)  # [m/s^2]
 WAIT = 60.0  # [s] at rest until a run is late
@@ -103,9 +103,9 @@ def _cases(rows: list[tuple[str, str, str, int]], first: int = FIRST) -> tuple[s
 
 
 def rival_cases() -> tuple[str, ...]:
-    """Every other planner on some scenes, with either robot, movers that yield and an ideal tracker."""
+    """Every other planner on every scene, with either robot, movers that yield and an ideal tracker."""
     rivals = [name for name in PLANNERS if name not in ("ours", REPLANNING)]
-    return _cases([(robot, "yield", name, SOME) for robot in ROBOTS for name in rivals])
+    return _cases([(robot, "yield", name, SEEDS) for robot in ROBOTS for name in rivals])
 
 
 def comparison_cases() -> tuple[str, ...]:
