@@ -19,6 +19,7 @@ from fuzzynav.plot.labs.tracking import *
 from fuzzynav.plot.maps import *
 from fuzzynav.plot.navigation import *
 from fuzzynav.plot.planning import *
+from fuzzynav.plot.potential import *
 from fuzzynav.plot.runs import *
 from fuzzynav.plot.sensors import *
 from fuzzynav.plot.tracking import *

@@ -60,6 +60,7 @@ ESCAPE = np.dtype(
             ("far", "f8"),  # [m] that counts as 1
             ("hold", "f8"),  # iterations for which a virtual target stands
             ("growth", "f8"),  # factor of the hold from one trap to the next without progress
+            ("cycle", "i8"),  # sizes of the angle, from one trap to the next without progress; then anew
             ("goalward", "?"),  # the angle counts from the direction to the goal, not from the x axis
             ("turns", "?"),  # the side changes from one trap to the next without progress
             ("most", "i8"),  # traps without progress before it gives up
@@ -159,8 +160,9 @@ def _virtual(x: float, y: float, goal: Array, size: float, was: Escaping, tables
     said = np.empty(2)
     infer_one(tables, np.array([min(size / own.strong, 1.0), min(d / own.far, 1.0)]), said)
     side = -1.0 if own.turns and traps % 2 == 1 else 1.0
-    hold = int(own.hold * own.growth**traps)
-    return Escaping(side * own.angle * said[0], own.gain * said[1] * own.radius, hold, traps + 1, best)
+    hold = int(min(own.hold * own.growth**traps, 1e9))
+    turn = (traps // (2 if own.turns else 1) % own.cycle + 1) / own.cycle
+    return Escaping(side * turn * own.angle * said[0], own.gain * said[1] * own.radius, hold, traps + 1, best)
 
 
 @njit(cache=True)

@@ -67,6 +67,7 @@ class Escape:
     far: float = 11.32  # [m] from start to goal of table 2
     hold: int = 200  # iterations for which a virtual target stands
     growth: float = 1.0  # of the hold, from one trap to the next without progress
+    cycle: int = 1  # sizes of the angle, 1/cycle of it to all, from one trap to the next without progress
     goalward: bool = False  # the angle counts from the direction to the goal; printed: from the x axis (errata A9)
     turns: bool = False  # the side changes from one trap to the next without progress
     most: int = 50  # traps without progress until the walk gives up
@@ -74,8 +75,8 @@ class Escape:
     def __post_init__(self) -> None:
         positive(radius=self.radius, strong=self.strong, far=self.far, growth=self.growth)
         not_negative(angle=self.angle, gain=self.gain)
-        if self.hold < 1 or self.most < 1:
-            raise ValueError(f"hold and most must be 1 or more, got {self.hold} and {self.most}")
+        if min(self.hold, self.most, self.cycle) < 1:
+            raise ValueError(f"hold, most and cycle must be 1 or more, got {self.hold}, {self.most} and {self.cycle}")
         if len(self.rules.inputs) != 2 or len(self.rules.outputs) != 2:
             raise ValueError(
                 f"the rule base of an escape has two inputs (force, distance) and two outputs (angle, gain), got "
@@ -148,6 +149,6 @@ def _escaping(escape: Escape | None) -> tuple[Array, tuple[object, ...]]:
         return np.empty(0, dtype=kernels.ESCAPE), _idle().tables
     values = (
         escape.radius, escape.angle, escape.gain, escape.strong, escape.far, float(escape.hold), escape.growth,
-        escape.goalward, escape.turns, escape.most,
+        escape.cycle, escape.goalward, escape.turns, escape.most,
     )  # fmt: skip
     return np.array([values], dtype=kernels.ESCAPE), escape.rules.tables

@@ -113,7 +113,7 @@ def test_too_few_iterations_are_a_timeout() -> None:
         (lambda: walk([0, np.inf], [8, 8], HEAD_ON, CLASSICAL, Steps()), "the start"),
         (lambda: Steps(step=0.0), "step"),
         (lambda: Steps(most=0), "iterations of 1 or more"),
-        (lambda: Escape(rules=RULES, hold=0), "hold and most must be 1 or more"),
+        (lambda: Escape(rules=RULES, hold=0), "hold, most and cycle must be 1 or more"),
         (lambda: Escape(rules=FuzzySystem.load(folder("fuzzy") / "thesis_table_3_2.fll")), "two inputs"),
     ],
 )

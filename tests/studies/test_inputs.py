@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fuzzynav import blend, published, tracking
+from fuzzynav import blend, potential, published, tracking
 from fuzzynav.fuzzy import Rule
 from fuzzynav.planning import astar
 from fuzzynav.robot import PIONEER_3DX, TURTLEBOT2, Robot, accelerations
@@ -42,6 +42,13 @@ def passed(**change: float) -> np.ndarray:
 
 def searched(start: tuple[int, int], goal: tuple[int, int]) -> np.ndarray:
     return astar.search(SCENES_4["M2"].grid, start, goal, astar.OPTIMAL).cells
+
+
+def followed(gains: Any = None, steps: Any = None, ends: Any = ((0.0, 0.0), (8.0, 8.0))) -> np.ndarray:
+    """A walk past two points that bends, and takes its iterations."""
+    points = potential.discs([[4.6, 4.1], [3.6, 5.7]])
+    made = potential.walk(*ends, points, gains or potential.IMPROVED, steps or potential.AS_PRINTED)
+    return np.append(made.places[:: max(made.iterations // 50, 1)][:50], made.iterations)
 
 
 def answer(**change: Any) -> np.ndarray:
@@ -98,6 +105,17 @@ RUNS: dict[str, tuple[Callable[[], Any], Callable[[], Any]]] = {
     "thesis:c-5.5rule": (passed, lambda: passed(turn=0.9)),
     "thesis:c-5-fov": (passed, lambda: passed(gate=np.pi / 4.0)),
     "thesis:c-4.4-startgoal": (lambda: searched((2, 2), (17, 18)), lambda: searched((2, 3), (17, 18))),
+    **{
+        f"fuzzy-apf:c-2-{name}": (
+            followed,
+            lambda field=field, value=value: followed(gains=replace(potential.IMPROVED, **{field: value})),
+        )
+        for name, field, value in (("att", "attract", 3.0), ("rep", "repel", 10.0), ("rho", "influence", 3.0))
+    },
+    "fuzzy-apf:c-2-step": (followed, lambda: followed(steps=replace(potential.AS_PRINTED, step=0.02))),
+    "fuzzy-apf:c-2-max": (followed, lambda: followed(steps=replace(potential.AS_PRINTED, most=500))),
+    "fuzzy-apf:c-2-start": (followed, lambda: followed(ends=((1.0, 0.0), (8.0, 8.0)))),
+    "fuzzy-apf:c-2-end": (followed, lambda: followed(ends=((0.0, 0.0), (8.0, 7.0)))),
     "fuzzy-planner:c-sigma": (answer, lambda: np.array(planner(0.15)(0.8, 0.3, 0.5))),
     "fuzzy-planner:c-rules": (answer, without_a_rule),
     "fuzzy-planner:c-vb": (answer, lambda: bounded(0, 1.1)),

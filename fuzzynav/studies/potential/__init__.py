@@ -1,0 +1,1 @@
+"""Fuzzy-APF: obstacles that the paper shows without places, its counts, and traps (chapter 09)."""
