@@ -113,6 +113,22 @@ def test_a_narrow_way_is_taken_where_it_is_the_only_one() -> None:
     assert route(gap, *ends, 0.35, (0.25, 0.1), OPTIMAL) is None
 
 
+def test_more_room_is_not_worth_any_detour() -> None:
+    """Straight through a gap of 0.8 m, or far round where there is more room: the gap, for a robot of 0.2 m."""
+    walls = np.zeros((72, 40), dtype=bool)
+    walls[:50, 20] = True
+    walls[11:19, 20] = False
+    gap = GridMap(walls, 0.1)
+    ends = np.array([0.5, 1.5]), np.array([3.5, 1.5])
+    found = route(gap, *ends, 0.2, (0.35, 0.1, 0.0), OPTIMAL)
+    round_it = route(gap, *ends, 0.2, (0.35,), OPTIMAL)
+    assert found is not None
+    assert round_it is not None
+    assert found.length < 3.5
+    assert round_it.length > 6.0
+    assert found.room == pytest.approx(0.3 - 0.075)
+
+
 def test_the_target_is_the_last_point_in_view() -> None:
     found = route(WALL, np.array([0.5, 1.5]), np.array([3.5, 1.5]), 0.2, (0.1,), OPTIMAL)
     assert found is not None

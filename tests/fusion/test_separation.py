@@ -99,6 +99,22 @@ def test_the_arc_condition_agrees_with_dense_sampling(data: st.DataObject) -> No
         assert said == (least > 0)
 
 
+def test_a_brush_in_passing_is_not_stepped_over() -> None:
+    """Hazards beside the arc of a fast robot, touched by 2 to 10 cm for a moment, and clear again when it stands."""
+    rng, brushed = np.random.default_rng(4), 0
+    for _ in range(150):
+        sample = np.array([rng.uniform(0.5, 1.0), rng.uniform(-0.3, 0.3)]) * [THESIS.max_vel_x, 1.0]
+        at = move(np.zeros(3), sample, rng.uniform(0.2, 1.5))
+        side, radius = rng.choice([-1.0, 1.0]), rng.uniform(0.0, 0.1)
+        aside = THESIS.radius + radius - rng.uniform(0.02, 0.1)
+        place = at[:2] + side * aside * np.array([-np.sin(at[2]), np.cos(at[2])])
+        hazards, bound = np.array([[*place, radius]]), rng.uniform(0.0, 0.02)
+        if least_by_sampling(sample, hazards, bound, THESIS, 0.1) < -0.02:
+            brushed += 1
+            assert not stays_clear([0, 0, 0], sample, hazards, bound, THESIS, 0.1)
+    assert brushed > 100
+
+
 @settings(max_examples=100)
 @given(x=st.floats(-5, 5), y=st.floats(-5, 5), theta=ANGLE, far=st.floats(0.5, 3.0), side=ANGLE)
 def test_moving_and_mirroring_the_scene_changes_nothing(

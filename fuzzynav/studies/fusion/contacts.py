@@ -34,7 +34,7 @@ def cause(case: str) -> dict[str, Any]:
     """
     task = task_of(case)
     made, steps = watch(task)
-    if made.row["ending"] != "hit":
+    if made.run is None or made.row["ending"] != "hit":
         raise ValueError(f"{case} ends as {made.row['ending']}: there is no contact to explain")
     places, last = made.run.log["movers"], made.run.poses[-1, :2]
     who = int(np.argmin(np.hypot(*(places[-1] - last).T)))
