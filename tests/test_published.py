@@ -228,6 +228,12 @@ def test_the_verdicts_of_today():
         ("fuzzy-planner", "reproduced"): 2,
         ("fuzzy-planner", "input"): 4,
         ("fuzzy-planner", "not reproduced"): 1,
+        ("fuzzy-apf", "fitted"): 17,
+        ("fuzzy-apf", "input"): 7,
+        ("fuzzy-apf", "reproduced"): 4,
+        ("fuzzy-apf", "not reproduced"): 15,
+        ("fuzzy-apf", "contradicts itself"): 3,
+        ("fuzzy-apf", "not testable"): 32,
         ("barn", "contradicts itself"): 2,
     }
 

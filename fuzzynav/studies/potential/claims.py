@@ -106,7 +106,10 @@ def _place(point: tuple[float, float]) -> str:
 
 REPRODUCTIONS: tuple[Reproduction, ...] = (
     *(
-        Reproduction(claim=f"fuzzy-apf:c-2-{name}", measure=measure, tolerance=0.0, shows="input")
+        Reproduction(
+            claim=f"fuzzy-apf:c-2-{name}", measure=measure, tolerance=0.0, shows="input", because="as printed",
+            holds_for="nothing else is free",
+        )
         for name, measure in (
             ("att", lambda: CLASSICAL.attract), ("rep", lambda: CLASSICAL.repel), ("rho", lambda: CLASSICAL.influence),
             ("step", lambda: AS_PRINTED.step), ("max", lambda: AS_PRINTED.most),

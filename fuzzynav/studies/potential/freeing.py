@@ -24,7 +24,15 @@ __all__ = ["JUDGED", "OURS", "READINGS", "STEPS", "TRAINED", "TRAPS", "TRAP_STUD
 TRAINED, JUDGED, TRAPS = range(200), 10_000, 1000
 STEPS = Steps(most=20_000)  # 200 m, 18 times the straight way
 # ours, found by the study `apf_tuning`
-OURS: Mapping[str, Any] = {"angle": 2.72, "gain": 73.4, "strong": 20.0, "far": 5.2, "hold": 113, "growth": 1.26, "cycle": 3}
+OURS: Mapping[str, Any] = {
+    "angle": 2.72,
+    "gain": 73.4,
+    "strong": 20.0,
+    "far": 5.2,
+    "hold": 113,
+    "growth": 1.26,
+    "cycle": 3,
+}
 READINGS: Mapping[str, dict[str, Any]] = {
     "as printed, target one step away": {"radius": 0.01},
     "as printed, target 1 m away": {"radius": 1.0},
