@@ -22,6 +22,7 @@ Imports run one way, from the top of this list to its end; the number is the cha
 - `dwa`           the dynamic window approach, its weights chosen by fuzzy rules   06
 - `blend`         tracking and avoidance blended by a fuzzy weight                 08
 - `fusion`        a global path, a window among moving obstacles, and what keeps them safe  07
+- `potential`     forces that lead to a goal, what traps them, and what frees them              09
 - `evolve`        an evolution strategy that tunes numbers                         06, 10
 - `studies`       the experiments behind the comparisons, by topic
 - `published`     published against reproduced

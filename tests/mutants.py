@@ -174,8 +174,9 @@ TRACK, BLEND, DWA = "tests/tracking/test_tracking.py", "tests/blend/test_blend.p
 INFER, MEMBER = "tests/fuzzy/test_inference.py", "tests/fuzzy/test_membership.py"
 SYSTEM, SHAPES = "tests/fuzzy/test_system.py", "tests/fuzzy/test_shapes.py"
 SEPARATION, DECISION = "tests/fusion/test_separation.py", "tests/fusion/test_decision.py"
-NAVIGATOR, SCENES = "tests/fusion/test_navigator.py", "tests/fusion/test_scenes.py"
+SCENES, FIELDS = "tests/fusion/test_scenes.py", "tests/potential/test_fields.py"
 MEMORY = "tests/fusion/test_memory_and_route.py"
+WALKS, HARMONIC = "tests/potential/test_walks.py", "tests/potential/test_harmonic.py"
 BATCH, PUBLISHED, STUDIES = "tests/test_batch.py", "tests/test_published.py", "tests/studies/test_studies.py"
 COURSE, ANSWERS = "tests/course/test_course.py", "tests/course/test_answers.py"
 
@@ -458,6 +459,21 @@ MUTANTS: tuple[Mutant, ...] = (
            f"{STUDIES} -k 'refactoring'", "a file that was changed by hand counts as current"),
     Mutant("fuzzynav/studies/study.py", "if target != path and target.exists() and batch", "if target == path and target.exists() and batch",
            f"{STUDIES} -k 'new_edition or stale or refactoring or fresh'", "an edition begun with other code is gone on with"),
+    # --- potential fields
+    Mutant("fuzzynav/potential/kernels.py", "else scale * a / (rho * rho)", "else scale * a / rho",
+           f"{FIELDS} -k gradient", "the repulsion lacks one of its 1/rho"),
+    Mutant("fuzzynav/potential/kernels.py", "more = 0.5 * a * a * slope / d", "more = -0.5 * a * a * slope / d",
+           f"{FIELDS} -k 'gradient or second_term'", "the distance factor pushes away from the goal"),
+    Mutant("fuzzynav/potential/kernels.py", "ax, ay = x - row[0] - u * dx, y - row[1] - u * dy", "ax, ay = x - row[0], y - row[1]",
+           f"{FIELDS} -k a_wall_is", "a wall is its first end only"),
+    Mutant("fuzzynav/potential/kernels.py", "side = -1.0 if own.turns and traps % 2 == 1 else 1.0", "side = 1.0",
+           f"{WALKS} -k sides", "the side never changes"),
+    Mutant("fuzzynav/potential/kernels.py", "if gap <= 0.0:", "if gap <= -1.0:",
+           f"{WALKS} -k touches", "a contact is overlooked"),
+    Mutant("fuzzynav/potential/kernels.py", "own.share * own.watch * own.step", "0.0",
+           f"{WALKS} -k trap", "no trap is found"),
+    Mutant("fuzzynav/potential/harmonic.py", "np.full(len(places), 4.0)", "np.full(len(places), 4.5)",
+           f"{HARMONIC} -k 'by_hand or summit'", "a cell is less than the mean of its neighbours"),
     # --- published
     Mutant("fuzzynav/published.py", "<= tolerance + 1e-9)", "<= 2.0 * tolerance + 1e-9)",
            f"{PUBLISHED} -k 'within_the_tolerance or verdicts_on_numbers'", "twice the tolerance counts as reproduced"),

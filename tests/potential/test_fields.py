@@ -52,6 +52,13 @@ def test_by_hand() -> None:
     assert printed == pytest.approx(12.0 - 20 * 0.3)
 
 
+def test_a_wall_is_as_near_as_its_nearest_point() -> None:
+    wall, gains = walls([[0.0, 0.0], [4.0, 0.0]], 0.1), Gains(attract=0.0)
+    for place, gap in (([2.0, 1.1], 1.0), ([3.5, -1.6], 1.5), ([5.1, 0.0], 1.0), ([-3.0, 4.0], 4.9)):
+        assert potential(place, GOAL, wall, gains) == pytest.approx(10.0 * (1.0 / gap - 0.2) ** 2)
+    assert force([2.0, 1.1], GOAL, wall, gains) == pytest.approx([0.0, 16.0])
+
+
 def test_the_second_term_points_to_the_goal() -> None:
     """What eq 9 leaves out (errata A5): with the distance factor the field also falls towards the goal."""
     block, gains = discs([[4.0, 1.0]]), Gains(exponent=4.0)
