@@ -10,8 +10,8 @@ import pytest
 from tests.mutants import MUTANTS, Mutant, changed, imports
 
 ROOMS = {
-    "robot", "maps", "fuzzy", "world", "sensors", "localization", "mapping", "planning", "smoothing", "simulate",
-    "tracking", "dwa", "blend", "fusion", "batch", "studies", "published", "course",
+    "robot", "maps", "fuzzy", "world", "sensors", "localization", "mapping", "planning", "potential", "smoothing",
+    "simulate", "tracking", "dwa", "blend", "fusion", "batch", "studies", "published", "course",
 }  # fmt: skip
 
 
