@@ -204,13 +204,20 @@ def scroll(page, pixels: int) -> None:
     )
 
 
+def whole_cells(path: Path) -> list[dict] | None:
+    """The cells of a stored notebook; None while it is being written."""
+    with contextlib.suppress(json.JSONDecodeError):
+        return json.loads(path.read_text(encoding="utf-8"))["cells"]
+    return None
+
+
 def stored_faults(page, lab: Lab, name: str) -> list[str]:
     """Save the notebook and list the errors and warnings among its outputs."""
     page.keyboard.press("Control+s")
     path = lab.folder / f"{name}.ipynb"
     before = path.stat().st_mtime_ns
     wait_for("the notebook to be saved", lambda: path.stat().st_mtime_ns > before or page.keyboard.press("Control+s"))
-    cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    cells = wait_for("all of the file to be written", lambda: whole_cells(path))
     outputs = [output for cell in cells for output in cell.get("outputs", [])]
     return [str(o) for o in outputs if o["output_type"] == "error" or o.get("name") == "stderr"]
 
